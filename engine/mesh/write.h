@@ -1,0 +1,13 @@
+#pragma once
+
+#include <filesystem>
+
+#include "engine/mesh/triangle_mesh.h"
+
+namespace voidpath::mesh {
+
+/// Writes OBJ or binary STL by the file's extension, to a temporary beside it and renamed into place.
+/// Throws std::runtime_error with file and reason.
+void write_model(const TriangleMesh& mesh, const std::filesystem::path& file);
+
+}  // namespace voidpath::mesh
