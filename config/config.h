@@ -1,0 +1,99 @@
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/motion/limits.h"
+#include "engine/orient/search.h"
+#include "engine/toolpath/settings.h"
+
+/// The only room that reads YAML. Everyone else sees these structs.
+namespace voidpath::config {
+
+/// what(): file, line, what is wrong, and the nearest valid key where a key is unknown.
+class ConfigError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// A printer, a material and a quality, laid over one another.
+struct Profile {
+  std::string printer;   ///< names, as given
+  std::string material;
+  std::string quality;
+  toolpath::PrintSettings print;
+  motion::MachineLimits limits;
+  std::vector<std::string> cancel_gcode;
+  std::string sha256;  ///< of the resolved values: the same settings give the same hash
+};
+
+struct OrientConfig {
+  orient::SearchOptions search;  ///< limits are filled from the profile's machine by search_options()
+  double budget_s = 20;
+};
+
+struct PrinterConfig {
+  std::string name;
+  std::string profile;
+  std::string material = "pla";
+  std::string quality = "0.20mm";
+  std::string port;
+  int baud = 115200;
+  std::vector<std::filesystem::path> watch;
+  bool auto_clear = false;
+  std::filesystem::path clock;  ///< empty: the computer's
+};
+
+struct DaemonConfig {
+  std::filesystem::path file;  ///< where it came from; empty for built-in defaults
+  std::filesystem::path state_dir = "/var/lib/voidpath";
+  std::string listen = "127.0.0.1:8017";
+  OrientConfig orient;
+  std::string slicer = "builtin";
+  double settle_s = 1.0;  ///< a dropped file counts once it was closed and has not changed for this long
+  std::vector<PrinterConfig> printers;
+};
+
+/// What a `MODEL.voidpath.yaml` beside a model, or `.voidpath.yaml` in a watched folder, may say.
+struct JobOverrides {
+  std::string method;    ///< "" or an orientation method, "as-delivered" included
+  std::string material;
+  std::string quality;
+  double scale = 1.0;
+  int copies = 1;
+  std::vector<std::pair<std::string, std::string>> set;  ///< as --set
+};
+
+/// Folders with printers/, materials/, qualities/, first match wins: the user's, /etc/voidpath, the installed
+/// share/voidpath, and the source tree's config/ when run from a build.
+std::vector<std::filesystem::path> search_path();
+/// $VOIDPATH_CONFIG, then ~/.config/voidpath/voidpath.yaml, then /etc/voidpath/voidpath.yaml; empty: none.
+std::filesystem::path default_config_file();
+
+/// Throws ConfigError.
+DaemonConfig load_daemon(const std::filesystem::path& file);
+
+/// `set` holds "section.key" and value as on the command line (--set slice.perimeters=3,
+/// machine.bed_mm=[250,210]). Names may be files. Throws ConfigError.
+Profile load_profile(const std::string& printer, const std::string& material, const std::string& quality,
+                     const std::vector<std::pair<std::string, std::string>>& set = {});
+
+/// "PRINTER[,MATERIAL[,QUALITY]]". Throws ConfigError.
+Profile load_profile(const std::string& spec, const std::vector<std::pair<std::string, std::string>>& set = {});
+
+JobOverrides load_overrides(const std::filesystem::path& file);
+
+/// The search options of the configuration with the limits of the profile's machine.
+orient::SearchOptions search_options(const OrientConfig& orient, const Profile& profile);
+
+struct ProfileEntry {
+  std::string kind;  ///< "printer", "material", "quality"
+  std::string name;
+  std::filesystem::path file;
+};
+std::vector<ProfileEntry> list_profiles();
+
+}  // namespace voidpath::config

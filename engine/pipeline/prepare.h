@@ -1,0 +1,52 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "engine/gcode/estimate.h"
+#include "engine/mesh/import.h"
+#include "engine/motion/limits.h"
+#include "engine/orient/search.h"
+#include "engine/run/context.h"
+#include "engine/toolpath/emit.h"
+#include "engine/toolpath/settings.h"
+
+/// The one front door from a model file to something a printer can run.
+namespace voidpath::pipeline {
+
+struct PrepareOptions {
+  mesh::ImportOptions import;
+  orient::SearchOptions orient;
+  /// Forces this build direction (model space); no search then.
+  std::optional<geom::Vec3> direction;
+  toolpath::PrintSettings print;
+  motion::MachineLimits limits;
+};
+
+struct Prepared {
+  mesh::Import model;
+  orient::Choice choice;  ///< with a forced direction: that and as delivered
+  toolpath::EmitStats stats;
+  gcode::Estimate estimate;
+  /// The same part as delivered, sliced and timed alike; absent when that cannot be printed or was chosen.
+  std::optional<gcode::Estimate> as_delivered;
+};
+
+/// Imports, orients, slices and times `model`, and writes the G-code to `gcode_out` (to a temporary beside
+/// it, renamed when complete). With `compare`, the part is also sliced as delivered, to tell the saving.
+/// Throws mesh::ImportError, orient::NothingFits, Refused, std::runtime_error, run::Stopped; then nothing
+/// is left at gcode_out.
+Prepared prepare(const std::filesystem::path& model, const std::filesystem::path& gcode_out,
+                 const PrepareOptions& options, bool compare, const run::Context& ctx = {});
+
+/// The part cannot be printed on this machine, in words.
+class Refused : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Orients only.
+orient::Choice choose(const mesh::TriangleMesh& mesh, const PrepareOptions& options, const run::Context& ctx);
+
+}  // namespace voidpath::pipeline

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <iosfwd>
+#include <string>
+
+#include "engine/run/context.h"
+#include "engine/toolpath/plan.h"
+#include "engine/toolpath/settings.h"
+
+namespace voidpath::toolpath {
+
+struct EmitStats {
+  std::size_t layers = 0;
+  double filament_mm = 0;
+  double extruded_mm3 = 0;
+  double travel_mm = 0;
+  std::size_t retractions = 0;
+};
+
+/// Writes the plan as G-code: header comments, the printer's start G-code, per layer `;LAYER_CHANGE`,
+/// `;Z:<mm>`, `;TYPE:<name>`, travels with retraction, extrusion, fan, temperatures, the end G-code.
+/// `header` is written as comment lines on top. Numbers never depend on the locale.
+/// Throws std::runtime_error for an unknown placeholder in start or end G-code, naming it.
+EmitStats emit(const Plan& plan, const PrintSettings& settings, const std::string& header, std::ostream& out,
+               const run::Context& ctx = {});
+
+}  // namespace voidpath::toolpath

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "engine/geom/polygon.h"
+#include "engine/slice/layer.h"
+
+namespace voidpath::toolpath {
+
+/// What a stretch of extrusion is for. Names in G-code follow PrusaSlicer's `;TYPE:` vocabulary.
+enum class Role {
+  skirt_brim,
+  external_perimeter,
+  perimeter,
+  overhang_perimeter,
+  infill,
+  solid_infill,
+  top_solid_infill,
+  bridge_infill,
+  gap_fill,
+  support,
+  support_interface,
+};
+
+/// "External perimeter", "Internal infill", ...
+std::string_view type_name(Role role);
+
+/// One continuous extrusion at constant width and height. Points in plate coordinates, nm. A closed path
+/// ends where it began (the first point is not repeated).
+struct Path {
+  Role role = Role::infill;
+  geom::Polyline points;
+  bool closed = false;
+  double width_mm = 0.45;
+  double height_mm = 0.2;  ///< thickness of the bead; a bridge's is its diameter
+  /// Bead cross-section, mm²: volume per length before the filament's flow factor.
+  double area_mm2 = 0;
+};
+
+/// Everything printed at one height, in printing order. Travels between paths are added by emit().
+struct LayerPlan {
+  slice::LayerSpan span;
+  std::vector<Path> paths;
+  /// The part's own outline in this layer, for travel that should stay inside.
+  geom::Regions outline;
+};
+
+struct Plan {
+  std::vector<LayerPlan> layers;
+};
+
+}  // namespace voidpath::toolpath

@@ -1,0 +1,119 @@
+#pragma once
+
+#include <array>
+#include <string>
+
+namespace voidpath::toolpath {
+
+enum class InfillPattern { rectilinear, grid, concentric, gyroid };
+enum class SupportMode { none, plate, everywhere };
+enum class SeamPosition { nearest, aligned, rear };
+
+/// What to build. Keys of the quality profile's `slice:` section; mm and degrees.
+struct SliceSettings {
+  double layer_height_mm = 0.2;
+  double first_layer_height_mm = 0.2;
+  double line_width_mm = 0.45;
+  double first_layer_line_width_mm = 0.45;
+  int perimeters = 2;
+  int top_layers = 5;
+  int bottom_layers = 4;
+  double infill_density = 0.15;  ///< 0 to 1
+  InfillPattern infill_pattern = InfillPattern::rectilinear;
+  double infill_angle_deg = 45;
+  double infill_overlap = 0.25;  ///< of a line width, into the perimeters
+  bool external_perimeters_first = false;
+  SeamPosition seam = SeamPosition::nearest;
+  SupportMode support = SupportMode::everywhere;
+  double support_angle_deg = 45;  ///< from vertical: what leans out further is supported
+  double support_density = 0.15;
+  double support_xy_gap_mm = 0.5;
+  double support_z_gap_mm = 0.2;
+  int support_interface_layers = 2;
+  int skirt_loops = 1;
+  double skirt_gap_mm = 3.0;
+  int skirt_layers = 1;
+  double brim_width_mm = 0;
+  double elephant_foot_mm = 0.0;   ///< first layer shrinks by this
+  double resolution_mm = 0.0125;   ///< toolpaths are simplified to this
+  double min_infill_area_mm2 = 3;  ///< smaller sparse areas are filled solid
+};
+
+/// mm/s. Keys of `speed:`, each with the suffix _mm_s.
+struct SpeedSettings {
+  double perimeter = 45;
+  double external_perimeter = 25;
+  double infill = 80;
+  double solid_infill = 80;
+  double top_solid_infill = 40;
+  double support = 50;
+  double bridge = 30;
+  double gap_fill = 30;
+  double travel = 180;
+  double first_layer = 20;
+};
+
+/// mm/s²; 0 leaves the printer's own. Keys of `acceleration:`, suffix _mm_s2.
+struct AccelerationSettings {
+  double print = 0;
+  double first_layer = 0;
+  double travel = 0;
+};
+
+struct RetractSettings {
+  double length_mm = 0.8;
+  double speed_mm_s = 35;
+  double deretract_speed_mm_s = 35;
+  double lift_mm = 0;
+  double min_travel_mm = 1.5;  ///< shorter travels don't retract
+};
+
+struct CoolingSettings {
+  bool enabled = true;
+  double fan_min = 0.35;  ///< 0 to 1
+  double fan_max = 1.0;
+  double bridge_fan = 1.0;
+  int fan_off_layers = 1;          ///< the first n layers print without fan
+  double slow_below_s = 10;        ///< layers that take less are slowed down...
+  double min_speed_mm_s = 10;      ///< ...but not below this
+  double full_fan_below_s = 30;
+};
+
+/// From the material's profile.
+struct Filament {
+  std::string name = "PLA";
+  double diameter_mm = 1.75;
+  double density_g_cm3 = 1.24;
+  double flow = 1.0;  ///< extrusion multiplier
+  double nozzle_c = 210;
+  double nozzle_first_layer_c = 215;
+  double bed_c = 60;
+  double bed_first_layer_c = 60;
+  double max_flow_mm3_s = 15;  ///< speeds are lowered to keep to it; 0: no limit
+};
+
+/// From the printer's profile.
+struct MachineShape {
+  std::string name = "generic";
+  std::array<double, 2> bed_mm = {220, 220};
+  double height_mm = 250;
+  bool origin_at_centre = false;  ///< (0,0) is the bed's middle, not its front left corner
+  double nozzle_mm = 0.4;
+  bool relative_e = true;
+  /// G-code before and after the print, with placeholders in braces such as {nozzle_first_layer_c};
+  /// the list is in config/README.md.
+  std::string start_gcode;
+  std::string end_gcode;
+};
+
+struct PrintSettings {
+  SliceSettings slice;
+  SpeedSettings speed;
+  AccelerationSettings acceleration;
+  RetractSettings retract;
+  CoolingSettings cooling;
+  Filament filament;
+  MachineShape machine;
+};
+
+}  // namespace voidpath::toolpath

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "firmware-io/clock.h"
+#include "firmware-io/event.h"
+#include "firmware-io/line_source.h"
+
+namespace voidpath::fw {
+
+struct PortOptions {
+  std::string port;        ///< tty path, a pty or a by-id link included
+  int baud = 115200;
+  int rx_bytes = 128;      ///< the firmware's receive buffer: rx_bytes - 1 unacknowledged bytes may be out
+  double boot_wait_s = 3;  ///< how long to wait for "start" after opening
+  double reconnect_s = 2;  ///< how often a missing port is tried again
+  std::vector<std::string> cancel_gcode;  ///< sent after a cancel, before heaters off (lift, park)
+};
+
+/// One printer. Starts its own thread, which connects, reconnects and streams; all calls below only post
+/// to it and return at once, from any thread.
+/// Events come from that thread, in order; the handler must be quick and must not throw.
+class PrinterPort {
+ public:
+  using Handler = std::function<void(const Event&)>;
+  virtual ~PrinterPort() = default;
+
+  /// Streams the source from its first line. Only while connected and idle; otherwise PrintFailed.
+  virtual void print(std::unique_ptr<LineSource> source) = 0;
+  /// Stops feeding after the lines in flight; heaters stay on.
+  virtual void pause() = 0;
+  virtual void resume() = 0;
+  /// Ends the print: stops feeding, runs cancel_gcode, heaters and fan off, motors free.
+  virtual void cancel(std::string reason) = 0;
+  /// Emergency: M112 ahead of everything queued.
+  virtual void halt(std::string reason) = 0;
+  /// A line of the user's, sent between the print's own; its answer comes as Message.
+  virtual void command(std::string line) = 0;
+  /// The last lines each way, oldest first, as "> sent" and "< received" with their times.
+  virtual std::vector<std::string> dialogue() const = 0;
+};
+
+/// A Marlin-class printer behind a serial port. Never throws: a port that cannot be opened is reported as
+/// Disconnected and tried again. Destruction ends a running print safely (heaters off) and joins the thread.
+std::unique_ptr<PrinterPort> open_marlin(PortOptions options, std::shared_ptr<const Clock> clock,
+                                         PrinterPort::Handler handler);
+
+/// Reads a G-code file line by line; strips comments, blanks and what a firmware would choke on.
+/// Throws std::runtime_error naming the file.
+std::unique_ptr<LineSource> open_gcode_file(const std::string& file);
+
+}  // namespace voidpath::fw
