@@ -84,6 +84,9 @@ Profile load_profile(const std::string& printer, const std::string& material, co
 /// "PRINTER[,MATERIAL[,QUALITY]]". Throws ConfigError.
 Profile load_profile(const std::string& spec, const std::vector<std::pair<std::string, std::string>>& set = {});
 
+/// The resolved profile as YAML: what `voidpath profile show` prints and sha256 is taken of.
+std::string profile_text(const Profile& profile);
+
 JobOverrides load_overrides(const std::filesystem::path& file);
 
 /// The search options of the configuration with the limits of the profile's machine.

@@ -1,0 +1,140 @@
+#include <cstdlib>
+#include <set>
+
+#include "config/config.h"
+#include "config/fields.h"
+
+namespace voidpath::config {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+const Names<orient::Method> kMethods = {{"toolpath", orient::Method::toolpath},
+                                        {"thesis", orient::Method::thesis},
+                                        {"ahsan", orient::Method::ahsan},
+                                        {"as-delivered", orient::Method::as_delivered}};
+
+void read_orient(Reader& r, OrientConfig& o) {
+  auto& s = o.search;
+  r.choice("method", s.method, kMethods);
+  r.number("budget_s", o.budget_s, {0, 86400});
+  r.integer("subdivisions", s.subdivisions, {0, 6});
+  r.choice("critical", s.critical,
+           {{"normals", orient::CriticalRule::normals}, {"morse", orient::CriticalRule::morse}});
+  r.number("normal_tolerance_deg", s.normal_tolerance_deg, {0, 90});
+  r.number("min_slab_mm", s.min_slab_mm, {0, 100});
+  r.section("weights", [&](Reader& w) {
+    w.number("h", s.weights.h, {0, 1000});
+    w.number("v", s.weights.v, {0, 1000});
+    w.number("d", s.weights.d, {0, 1000});
+    w.number("c", s.weights.c, {0, 1000});
+  });
+  r.number("min_contact_mm2", s.limits.min_contact_mm2, {0, 1e6});
+  r.number("min_contact_share", s.limits.min_contact_share, {0, 1});
+  r.number("contact_depth_mm", s.limits.contact_depth_mm, {0, 10});
+  r.number("stability_margin_mm", s.limits.stability_margin_mm, {0, 100});
+  r.number("bed_margin_mm", s.limits.bed_margin_mm, {0, 100});
+}
+
+/// A relative path in a configuration file is meant from that file's folder.
+fs::path anchored(const fs::path& path, const fs::path& base) {
+  return path.empty() || path.is_absolute() || base.empty() ? path : base / path;
+}
+
+void read_printer(Reader& r, PrinterConfig& p, const fs::path& base) {
+  r.text("name", p.name);
+  r.text("profile", p.profile);
+  r.text("material", p.material);
+  r.text("quality", p.quality);
+  r.text("port", p.port);
+  r.integer("baud", p.baud, {1200, 4000000});
+  r.paths("watch", p.watch);
+  r.flag("auto_clear", p.auto_clear);
+  r.path("clock", p.clock);
+  if (p.name.empty()) r.fail("name", "every printer needs a name");
+  if (p.profile.empty()) r.fail("profile", "which printer is it? Name a profile, such as generic-marlin");
+  if (p.port.empty()) r.fail("port", "a serial port is wanted, such as /dev/serial/by-id/usb-...");
+  for (fs::path& w : p.watch) w = anchored(w, base);
+  p.clock = anchored(p.clock, base);
+  if (p.profile.find('/') != std::string::npos) p.profile = anchored(p.profile, base).string();
+}
+
+void check_printers(const DaemonConfig& c) {
+  std::set<std::string> names, ports;
+  std::set<fs::path> folders;
+  for (const PrinterConfig& p : c.printers) {
+    const std::string place = c.file.string() + ": printers: ";
+    if (!names.insert(p.name).second) throw ConfigError(place + "two printers are called '" + p.name + "'");
+    if (!ports.insert(p.port).second) throw ConfigError(place + "two printers use " + p.port);
+    for (const fs::path& w : p.watch)
+      if (!folders.insert(w.lexically_normal()).second)
+        throw ConfigError(place + "the folder " + w.string() + " is watched twice");
+    load_profile(p.profile, p.material, p.quality);
+  }
+}
+
+}  // namespace
+
+fs::path default_config_file() {
+  if (const char* file = std::getenv("VOIDPATH_CONFIG"); file != nullptr && *file != '\0') return file;
+  std::error_code ec;
+  for (const fs::path& dir : search_path()) {
+    if (fs::exists(dir / "voidpath.yaml", ec)) return dir / "voidpath.yaml";
+    if (dir == "/etc/voidpath") break;  // behind it come the examples we ship, which are nobody's choice
+  }
+  return {};
+}
+
+DaemonConfig load_daemon(const fs::path& file) {
+  DaemonConfig c;
+  c.file = file;
+  const Tree tree = read_yaml_file(file);
+  const fs::path base = fs::absolute(file).parent_path();
+  Reader r(tree, file.string(), "");
+  r.path("state_dir", c.state_dir);
+  c.state_dir = anchored(c.state_dir, base);
+  r.section("web", [&](Reader& w) { w.text("listen", c.listen); });
+  r.section("orient", [&](Reader& o) { read_orient(o, c.orient); });
+  r.choice("slicer", c.slicer, {{"builtin", std::string("builtin")}});
+  r.number("settle_s", c.settle_s, {0, 3600});
+  r.each("printers", [&](Reader& p) {
+    PrinterConfig printer;
+    read_printer(p, printer, base);
+    c.printers.push_back(std::move(printer));
+  });
+  r.finish();
+  check_printers(c);
+  return c;
+}
+
+JobOverrides load_overrides(const fs::path& file) {
+  JobOverrides o;
+  const Tree tree = read_yaml_file(file);
+  Reader r(tree, file.string(), "");
+  r.choice("method", o.method,
+           {{"toolpath", std::string("toolpath")},
+            {"thesis", std::string("thesis")},
+            {"ahsan", std::string("ahsan")},
+            {"as-delivered", std::string("as-delivered")}});
+  bool as_delivered = false;
+  r.flag("as_delivered", as_delivered);
+  if (as_delivered) o.method = "as-delivered";
+  r.text("material", o.material);
+  r.text("quality", o.quality);
+  r.number("scale", o.scale, {1e-6, 1e6});
+  r.integer("copies", o.copies, {1, 1000});
+  if (r.has("set"))
+    for (const Tree::Entry& e : tree.map) {
+      if (e.key != "set") continue;
+      if (e.value.kind != Tree::Kind::map) r.fail("set", "'section.key: value' lines are wanted below it");
+      for (const Tree::Entry& s : e.value.map) {
+        if (s.value.kind != Tree::Kind::scalar) r.fail("set", "'" + s.key + "' wants a single value");
+        o.set.emplace_back(s.key, s.value.scalar);
+      }
+    }
+  r.finish();
+  return o;
+}
+
+}  // namespace voidpath::config
