@@ -1,0 +1,114 @@
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+
+#include <nlohmann/json.hpp>
+
+#include "config/fields.h"
+#include "daemon/cli/choice_json.h"
+#include "daemon/cli/flags.h"
+#include "daemon/cli/offline.h"
+#include "engine/mesh/write.h"
+
+namespace voidpath::cli {
+
+namespace {
+
+std::string nine_digits(double v) {
+  char buffer[40];
+  std::snprintf(buffer, sizeof buffer, "%.9g", v == 0 ? 0.0 : v);
+  return buffer;
+}
+
+void write_candidates(const orient::Choice& choice, const std::string& file) {
+  std::ofstream out(file, std::ios::trunc);
+  out << "dx,dy,dz,H_mm,V_mm3,C,D_mm,score,printable,predicted_s\n";
+  for (const auto& c : choice.candidates) {
+    for (int a = 0; a < 3; ++a) out << nine_digits(c.direction[a]) << ',';
+    for (const double v : {c.criteria.height_mm, c.criteria.trapped_mm3, c.criteria.contours, c.criteria.void_mm, c.score})
+      out << config::number_text(v) << ',';
+    out << (c.printable ? 1 : 0) << ',' << (c.predicted_s ? config::number_text(*c.predicted_s) : "") << '\n';
+  }
+  out.close();
+  if (!out) throw std::runtime_error(file + ": cannot be written");
+}
+
+void print_row(const char* name, const orient::Candidate& c) {
+  const auto& k = c.criteria;
+  std::printf("  %-14s %8.2f mm %12.0f mm3 %8.2f %9.2f mm %9.4f  (%+.4f, %+.4f, %+.4f)%s\n", name, k.height_mm,
+              k.trapped_mm3, k.contours, k.void_mm, c.score, c.direction.x(), c.direction.y(), c.direction.z(),
+              c.printable ? "" : ("  not printable: " + c.why).c_str());
+}
+
+/// The best candidates that point somewhere else than the ones named already.
+std::vector<std::size_t> runners_up(const orient::Choice& choice, std::size_t count) {
+  constexpr double kOtherKind_cos = 0.9;  // some 26° apart
+  std::vector<std::size_t> order(choice.candidates.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return choice.candidates[a].score < choice.candidates[b].score;
+  });
+  std::vector<std::size_t> named = {choice.chosen, choice.as_delivered};
+  std::vector<std::size_t> out;
+  for (const std::size_t i : order) {
+    if (out.size() == count) break;
+    const auto& c = choice.candidates[i];
+    if (choice.method == orient::Method::toolpath && !c.printable) continue;
+    bool other = true;
+    for (const std::size_t n : named)
+      other = other && choice.candidates[n].direction.dot(c.direction) < kOtherKind_cos;
+    if (!other) continue;
+    named.push_back(i);
+    out.push_back(i);
+  }
+  return out;
+}
+
+void print_table(const mesh::Import& model, const orient::Choice& choice, double elapsed_s) {
+  const auto& size = model.delivered.size_mm;
+  std::printf("%zu triangles, %.1f x %.1f x %.1f mm; %zu directions in %.2f s (%s)\n", model.delivered.triangles,
+              size.x(), size.y(), size.z(), choice.candidates.size(), elapsed_s,
+              orient::to_string(choice.method).c_str());
+  std::printf("  %-14s %11s %16s %8s %12s %9s  %s\n", "", "height", "trapped", "contours", "void dist.", "score",
+              "direction that points up");
+  print_row("as delivered", choice.candidates[choice.as_delivered]);
+  print_row("chosen", choice.candidates[choice.chosen]);
+  for (const std::size_t i : runners_up(choice, 3)) print_row("runner-up", choice.candidates[i]);
+  if (choice.ties.size() > 1) std::printf("  %zu directions tie with the chosen one\n", choice.ties.size());
+  std::printf("%s\n", choice.why.c_str());
+}
+
+}  // namespace
+
+int orient_command(const std::vector<std::string>& args) {
+  CLI::App app("Chooses the orientation a part is printed in", "orient");
+  CommonFlags common;
+  OrientFlags orient;
+  std::string model, candidates, out;
+  app.add_option("model", model, "STL, OBJ or 3MF")->required();
+  add_common(app, common);
+  add_orient(app, orient);
+  app.add_option("--candidates", candidates, "writes every direction to this CSV file");
+  app.add_option("--out", out, "writes the turned mesh, .obj or .stl");
+  if (!parse(app, args)) return 0;
+
+  const Settings s = settings_from(common, orient);
+  const run::Context ctx = console_context(common.threads);
+  const auto import = mesh::import_model(model, s.options.import, ctx);
+  const auto begin = std::chrono::steady_clock::now();
+  const orient::Choice choice = pipeline::choose(import.mesh, s.options, ctx);
+  const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  end_progress();
+
+  if (!candidates.empty()) write_candidates(choice, candidates);
+  if (!out.empty()) mesh::write_model(mesh::turned(import.mesh, choice.candidates[choice.chosen].direction), out);
+  if (common.json)
+    std::cout << orient_json(import, model, choice, elapsed).dump(2) << '\n';
+  else
+    print_table(import, choice, elapsed);
+  return 0;
+}
+
+}  // namespace voidpath::cli
