@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -80,6 +81,9 @@ struct Choice {
   std::size_t chosen = 0;
   std::size_t as_delivered = 0;
   std::vector<std::size_t> ties;  ///< all that score as the chosen one, itself included
+  /// What the chosen one was timed against, by name ("as-delivered", "thesis", "axis +x", ...); filled by
+  /// pipeline::choose for Method::toolpath.
+  std::map<std::string, std::size_t> baselines;
   Weights weights;
   Method method = Method::toolpath;
   std::string why;  ///< the reason in words: "82 mm instead of 140 mm tall; 31 % less support"

@@ -1,0 +1,185 @@
+#include <catch2/catch.hpp>
+
+#include <filesystem>
+#include <fstream>
+
+#include <unistd.h>
+
+#include "config/config.h"
+#include "config/digest.h"
+#include "config/fields.h"
+
+using namespace voidpath;
+using namespace voidpath::config;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A folder that is gone at the end.
+struct Scratch {
+  Scratch() {
+    std::string name = (fs::temp_directory_path() / "voidpath-config-XXXXXX").string();
+    dir = ::mkdtemp(name.data());
+  }
+  ~Scratch() { fs::remove_all(dir); }
+  fs::path write(const std::string& name, const std::string& text) const {
+    std::ofstream(dir / name) << text;
+    return dir / name;
+  }
+  fs::path dir;
+};
+
+template <class F>
+std::string error_of(F&& f) {
+  try {
+    f();
+  } catch (const ConfigError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("every shipped profile loads, alone and in every combination") {
+  std::vector<std::string> printers, materials, qualities;
+  for (const auto& e : list_profiles()) {
+    INFO(e.file);
+    (e.kind == "printer" ? printers : e.kind == "material" ? materials : qualities).push_back(e.name);
+  }
+  REQUIRE(printers.size() >= 4);
+  REQUIRE(materials.size() >= 3);
+  REQUIRE(qualities.size() >= 3);
+  for (const auto& p : printers)
+    for (const auto& m : materials)
+      for (const auto& q : qualities) {
+        const Profile profile = load_profile(p, m, q);
+        CHECK(profile.print.slice.layer_height_mm > 0);
+        CHECK(profile.sha256.size() == 64);
+        CHECK_FALSE(profile.print.machine.start_gcode.empty());
+      }
+}
+
+TEST_CASE("a base profile is laid under the one that names it") {
+  const Profile ender = load_profile("ender-3,petg,0.28mm");
+  CHECK(ender.print.machine.name == "Creality Ender 3");
+  CHECK(ender.limits.print_acceleration_mm_s2 == 500);
+  REQUIRE(ender.limits.jerk_mm_s.has_value());
+  CHECK((*ender.limits.jerk_mm_s)[2] == Approx(0.3));
+  CHECK(ender.print.filament.nozzle_c == 240);
+  CHECK(ender.print.slice.layer_height_mm == 0.28);
+  CHECK(ender.print.machine.start_gcode == load_profile("generic-marlin").print.machine.start_gcode);
+}
+
+TEST_CASE("a value set by hand wins, and changes the hash") {
+  const Profile plain = load_profile("generic-marlin");
+  const Profile set = load_profile("generic-marlin", {{"slice.perimeters", "4"},
+                                                      {"machine.bed_mm", "[300, 250]"},
+                                                      {"machine.serial.rx_bytes", "1024"},
+                                                      {"machine.jerk_mm_s", "{x: 9, z: 0.5}"}});
+  CHECK(set.print.slice.perimeters == 4);
+  CHECK(set.print.machine.bed_mm[1] == 250);
+  CHECK(set.limits.travel_mm[0] == 300);
+  CHECK(set.limits.rx_bytes == 1024);
+  REQUIRE(set.limits.jerk_mm_s.has_value());
+  CHECK((*set.limits.jerk_mm_s)[0] == 9);
+  CHECK(set.sha256 != plain.sha256);
+  CHECK(load_profile("generic-marlin").sha256 == plain.sha256);
+}
+
+TEST_CASE("what is shown reads back as the same profile") {
+  const Profile p = load_profile("prusa-i3-mk3,abs,0.10mm");
+  const Scratch scratch;
+  const fs::path file = scratch.write("shown.yaml", profile_text(p));
+  const Profile again = load_profile(file.string(), "abs", "0.10mm");
+  CHECK(again.sha256 == p.sha256);
+  CHECK(again.print.machine.start_gcode == p.print.machine.start_gcode);
+  CHECK(again.cancel_gcode == p.cancel_gcode);
+}
+
+TEST_CASE("errors name file, line and the nearest valid key") {
+  const Scratch scratch;
+  const auto load = [&](const std::string& text) {
+    const fs::path file = scratch.write("p.yaml", text);
+    return error_of([&] { load_profile(file.string(), "pla", "0.20mm"); });
+  };
+  const std::string unknown = load("base: generic-marlin\nslice:\n  perimetres: 3\n");
+  CHECK_THAT(unknown, Catch::Contains("p.yaml:3:"));
+  CHECK_THAT(unknown, Catch::Contains("did you mean 'perimeters'"));
+  const std::string range = load("base: generic-marlin\nmachine:\n  nozzle_mm: 40\n");
+  CHECK_THAT(range, Catch::Contains("p.yaml:3:") && Catch::Contains("out of range"));
+  CHECK_THAT(load("machine:\n  bed_mm: 220\n"), Catch::Contains(":2:") && Catch::Contains("list of 2 numbers"));
+  CHECK_THAT(load("machine:\n  firmware: marlinn\n"), Catch::Contains("did you mean 'marlin'"));
+  CHECK_THAT(load("slice:\n  perimeters: 2.5\n"), Catch::Contains("not a whole number"));
+  CHECK_THAT(load("slice: {perimeters: 2\n"), Catch::Contains("not valid YAML"));
+  CHECK_THAT(load("slice:\n  perimeters: 2\n  perimeters: 3\n"), Catch::Contains(":3:") && Catch::Contains("twice"));
+  CHECK_THAT(load("base: p.yaml\n"), Catch::Contains("no such profile file"));
+  CHECK_THAT(load("base: " + (scratch.dir / "p.yaml").string() + "\n"), Catch::Contains("leads back to itself"));
+  CHECK_THAT(error_of([] { load_profile("generic-marlinn"); }), Catch::Contains("did you mean 'generic-marlin'"));
+  CHECK_THAT(error_of([] { load_profile("generic-marlin", {{"slice.layer_height_mm", "0.5"}}); }),
+             Catch::Contains("larger than machine.nozzle_mm"));
+  CHECK_THAT(error_of([] { load_profile("generic-marlin", {{"perimeters", "3"}}); }),
+             Catch::Contains("section.key=value"));
+}
+
+TEST_CASE("the shipped daemon configuration is valid and says what the defaults are") {
+  const DaemonConfig c = load_daemon(fs::path(VOIDPATH_SOURCE_DIR) / "config/voidpath.yaml");
+  const DaemonConfig defaults;
+  CHECK(c.listen == defaults.listen);
+  CHECK(c.state_dir == defaults.state_dir);
+  CHECK(c.orient.search.weights.h == defaults.orient.search.weights.h);
+  CHECK(c.orient.search.limits.min_contact_share == defaults.orient.search.limits.min_contact_share);
+  REQUIRE(c.printers.size() == 1);
+  CHECK_FALSE(c.printers[0].auto_clear);
+}
+
+TEST_CASE("a daemon configuration is checked as a whole") {
+  const Scratch scratch;
+  const auto load = [&](const std::string& text) {
+    return error_of([&] { load_daemon(scratch.write("v.yaml", text)); });
+  };
+  const std::string one = "  - {name: a, profile: generic-marlin, port: /dev/ttyUSB0, watch: [in]}\n";
+  CHECK(load("printers:\n" + one).empty());
+  CHECK_THAT(load("printers:\n" + one + one), Catch::Contains("two printers are called 'a'"));
+  CHECK_THAT(load("printers:\n" + one + "  - {name: b, profile: generic-marlin, port: /dev/ttyUSB1, watch: [./in]}\n"),
+             Catch::Contains("watched twice"));
+  CHECK_THAT(load("printers:\n  - {name: a, profile: nothing-such, port: x}\n"), Catch::Contains("nothing-such"));
+  CHECK_THAT(load("printers:\n  - {profile: generic-marlin, port: x}\n"), Catch::Contains("needs a name"));
+  CHECK_THAT(load("orient: {method: fast}\n"), Catch::Contains("not one of"));
+  CHECK_THAT(load("stat_dir: /tmp\n"), Catch::Contains("did you mean 'state_dir'"));
+  CHECK_THAT(error_of([&] { load_daemon(scratch.dir / "absent.yaml"); }), Catch::Contains("cannot be read"));
+  CHECK_THAT(error_of([&] { load_daemon(scratch.dir); }), Catch::Contains("is a folder"));
+
+  const DaemonConfig c = load_daemon(scratch.write("v.yaml", "state_dir: s\nprinters:\n" + one));
+  CHECK(c.state_dir == scratch.dir / "s");
+  CHECK(c.printers[0].watch[0] == scratch.dir / "in");
+}
+
+TEST_CASE("what stands beside a model is read") {
+  const Scratch scratch;
+  const JobOverrides o = load_overrides(scratch.write(
+      "m.voidpath.yaml", "method: thesis\nquality: 0.28mm\nscale: 25.4\ncopies: 3\nset:\n  slice.perimeters: 5\n"));
+  CHECK(o.method == "thesis");
+  CHECK(o.quality == "0.28mm");
+  CHECK(o.scale == 25.4);
+  CHECK(o.copies == 3);
+  REQUIRE(o.set.size() == 1);
+  CHECK(o.set[0] == std::pair<std::string, std::string>("slice.perimeters", "5"));
+  CHECK(load_overrides(scratch.write("n.voidpath.yaml", "as_delivered: true\n")).method == "as-delivered");
+  CHECK_THAT(error_of([&] { load_overrides(scratch.write("o.voidpath.yaml", "methd: thesis\n")); }),
+             Catch::Contains("did you mean 'method'"));
+}
+
+TEST_CASE("SHA-256 gives the published digest of abc") {
+  // FIPS 180-2, appendix B.1.
+  CHECK(sha256_of("abc") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  const Scratch scratch;
+  CHECK(sha256_of_file(scratch.write("abc", "abc")) == sha256_of("abc"));
+}
+
+TEST_CASE("numbers are read and written without a locale") {
+  CHECK(parse_number("1.5e-3") == 1.5e-3);
+  CHECK(parse_number("+2") == 2);
+  for (const char* bad : {"", "1,5", "abc", "1.5x", "nan", "inf", "+-1"}) CHECK_THROWS_AS(parse_number(bad), std::invalid_argument);
+  CHECK(number_text(0.1) == "0.1");
+}
