@@ -1,3 +1,4 @@
+#include "engine/geom/edge_grid.h"
 #include "engine/geom/polygon_ops.h"
 #include "engine/geom/predicates.h"
 
@@ -11,16 +12,6 @@
 namespace voidpath::geom {
 
 namespace {
-
-struct Edge {
-  Point a;
-  Point b;
-  Box box;
-};
-
-Box box_of(const Point& a, const Point& b) {
-  return {{std::min(a.x, b.x), std::min(a.y, b.y)}, {std::max(a.x, b.x), std::max(a.y, b.y)}};
-}
 
 /// Sign of u × (e, e²).
 int cross_with_step(const Point& u) {
@@ -40,17 +31,6 @@ int side_of_moved(const Edge& edge, const Point& p) {
   return s != 0 ? s : cross_with_step({edge.b.x - edge.a.x, edge.b.y - edge.a.y});
 }
 
-/// Parity of the moved point: edges crossed by the ray from it along +x.
-bool is_inside(const std::vector<Edge>& edges, const Point& p) {
-  bool inside = false;
-  for (const Edge& e : edges) {
-    // The step lifts p by e² > 0: a corner at p's height lies below the ray.
-    if ((e.a.y <= p.y) == (e.b.y <= p.y)) continue;
-    if ((side_of_moved(e, p) > 0) == (e.b.y > e.a.y)) inside = !inside;
-  }
-  return inside;
-}
-
 /// Where p→q is crossed by the edge, as a fraction of it.
 double fraction(const Point& p, const Point& q, const Edge& e) {
   const Point d{e.b.x - e.a.x, e.b.y - e.a.y};
@@ -58,6 +38,60 @@ double fraction(const Point& p, const Point& q, const Edge& e) {
   const auto to = static_cast<double>(cross(d, {q.x - e.a.x, q.y - e.a.y}));
   return from == to ? 0.5 : std::clamp(from / (from - to), 0.0, 1.0);
 }
+
+/// Regions' edges, found by place.
+class Outline {
+ public:
+  explicit Outline(const Regions& regions) : edges_(edges_of(rings_of(regions))), grid_(edges_) {
+    seen_.assign(edges_.size(), 0);
+  }
+
+  /// Parity of the moved point: edges crossed by the ray from it along +x.
+  bool contains(const Point& p) {
+    bool inside = false;
+    ++visit_;
+    grid_.right_of(p, [&](std::size_t c) {
+      each_new(c, [&](const Edge& e) {
+        // The step lifts p by e² > 0: a corner at p's height lies below the ray.
+        if ((e.a.y <= p.y) == (e.b.y <= p.y)) return;
+        if ((side_of_moved(e, p) > 0) == (e.b.y > e.a.y)) inside = !inside;
+      });
+    });
+    return inside;
+  }
+
+  /// Where p→q crosses, as fractions of it, ascending.
+  void crossings(const Point& p, const Point& q, std::vector<double>& out) {
+    out.clear();
+    ++visit_;
+    const Box box = box_of({p, q});
+    grid_.along(p, q, [&](std::size_t c) {
+      each_new(c, [&](const Edge& e) {
+        if (!overlap(box_of(e), box)) return;
+        if (side_of_corner(p, q, e.a) == side_of_corner(p, q, e.b)) return;
+        if (side_of_moved(e, p) == side_of_moved(e, q)) return;
+        out.push_back(fraction(p, q, e));
+      });
+    });
+    std::sort(out.begin(), out.end());
+  }
+
+ private:
+  /// Each edge once a visit, though it is in several cells.
+  template <class Use>
+  void each_new(std::size_t cell, const Use& use) {
+    for (const std::uint32_t i : grid_.cell(cell)) {
+      if (seen_[i] == visit_) continue;
+      seen_[i] = visit_;
+      use(edges_[i]);
+    }
+  }
+
+  std::vector<Edge> edges_;
+  EdgeGrid grid_;
+  std::vector<std::uint32_t> seen_;
+  std::uint32_t visit_ = 0;
+};
 
 Point at(const Point& p, const Point& q, double t) {
   if (t >= 1) return q;
@@ -82,40 +116,19 @@ class Pieces {
   Polylines done_;
 };
 
-std::vector<Edge> edges_of(const Regions& regions) {
-  std::vector<Edge> edges;
-  for (const Ring& ring : rings_of(regions)) {
-    if (ring.empty()) continue;
-    Point a = ring.back();
-    for (const Point& b : ring) {
-      if (a != b) edges.push_back({a, b, box_of(a, b)});
-      a = b;
-    }
-  }
-  return edges;
-}
-
 Polylines clip(const Polylines& lines, const Regions& regions, bool want_inside) {
-  const std::vector<Edge> edges = edges_of(regions);
+  Outline outline(regions);
   Pieces pieces;
   std::vector<double> crossings;
   for (const Polyline& line : lines) {
     if (line.size() < 2) continue;
-    bool wanted = is_inside(edges, line.front()) == want_inside;
+    bool wanted = outline.contains(line.front()) == want_inside;
     for (std::size_t i = 0; i + 1 < line.size(); ++i) {
       const Point& p = line[i];
       const Point& q = line[i + 1];
       if (p == q) continue;
       if (wanted) pieces.extend(p);
-      const Box box = box_of(p, q);
-      crossings.clear();
-      for (const Edge& e : edges) {
-        if (!overlap(e.box, box)) continue;
-        if (side_of_corner(p, q, e.a) == side_of_corner(p, q, e.b)) continue;
-        if (side_of_moved(e, p) == side_of_moved(e, q)) continue;
-        crossings.push_back(fraction(p, q, e));
-      }
-      std::sort(crossings.begin(), crossings.end());
+      outline.crossings(p, q, crossings);
       for (const double t : crossings) {
         pieces.extend(at(p, q, t));
         if (wanted) pieces.end();

@@ -1,9 +1,9 @@
 #pragma once
 
+#include "engine/geom/units.h"
+
 #include <optional>
 #include <vector>
-
-#include "engine/geom/units.h"
 
 namespace voidpath::geom {
 

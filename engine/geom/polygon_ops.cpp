@@ -1,5 +1,6 @@
 #include "engine/geom/polygon_ops.h"
 
+#include "engine/geom/nesting.h"
 #include "engine/geom/predicates.h"
 
 #include <algorithm>
@@ -126,6 +127,7 @@ cl::JoinType join_type(Join join) {
 }  // namespace
 
 Regions unite(const Rings& rings, FillRule rule) {
+  if (std::optional<Regions> nested = nest_if_disjoint(rings, rule)) return *std::move(nested);
   cl::Clipper clipper;
   for (const Ring& ring : rings) clipper.AddPath(to_clipper(ring), cl::ptSubject, true);
   cl::PolyTree tree;

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <vector>
-
 #include "engine/geom/polygon.h"
+
+#include <vector>
 
 namespace voidpath::slice {
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <vector>
-
 #include "engine/slice/layer.h"
+
+#include <vector>
 
 namespace voidpath::slice {
 

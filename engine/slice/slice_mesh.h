@@ -1,10 +1,10 @@
 #pragma once
 
-#include <vector>
-
 #include "engine/mesh/triangle_mesh.h"
 #include "engine/run/context.h"
 #include "engine/slice/layer.h"
+
+#include <vector>
 
 namespace voidpath::slice {
 

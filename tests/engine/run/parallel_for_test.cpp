@@ -1,0 +1,85 @@
+#include "engine/run/parallel_for.h"
+
+#include <atomic>
+#include <stdexcept>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+namespace voidpath::run {
+
+TEST_CASE("every index is visited once, for any number of threads and grain") {
+  for (const unsigned threads : {1u, 2u, 3u, 8u})
+    for (const std::size_t count : {0u, 1u, 7u, 1000u})
+      for (const std::size_t grain : {0u, 1u, 3u, 64u, 5000u}) {
+        Context ctx;
+        ctx.threads = threads;
+        std::vector<std::atomic<int>> visits(count);
+        parallel_for(
+            ctx, count, [&](std::size_t i) { ++visits[i]; }, grain);
+        for (const auto& v : visits) REQUIRE(v == 1);
+      }
+}
+
+TEST_CASE("workers are numbered below the thread count and each runs alone") {
+  Context ctx;
+  ctx.threads = 4;
+  std::vector<std::atomic<int>> busy(4);
+  std::atomic<bool> clash{false};
+  parallel_for_workers(ctx, 2000, [&](std::size_t, unsigned worker) {
+    if (worker >= 4 || busy[worker].fetch_add(1) != 0) clash = true;
+    if (worker < 4) busy[worker].fetch_sub(1);
+  });
+  CHECK_FALSE(clash);
+}
+
+TEST_CASE("an exception ends the work and comes out here") {
+  for (const unsigned threads : {1u, 4u}) {
+    Context ctx;
+    ctx.threads = threads;
+    std::atomic<int> calls{0};
+    CHECK_THROWS_AS(parallel_for(ctx, 100'000,
+                                 [&](std::size_t i) {
+                                   ++calls;
+                                   if (i == 5) throw std::out_of_range("five");
+                                 }),
+                    std::out_of_range);
+    CHECK(calls < 100'000);
+  }
+}
+
+TEST_CASE("a stop request ends the work as Stopped") {
+  for (const unsigned threads : {1u, 4u}) {
+    std::stop_source source;
+    Context ctx;
+    ctx.stop = source.get_token();
+    ctx.threads = threads;
+    std::atomic<int> calls{0};
+    CHECK_THROWS_AS(parallel_for(ctx, 100'000,
+                                 [&](std::size_t i) {
+                                   ++calls;
+                                   if (i == 10) source.request_stop();
+                                 }),
+                    Stopped);
+    CHECK(calls < 100'000);
+    CHECK_THROWS_AS(ctx.check(), Stopped);
+  }
+  CHECK_NOTHROW(Context{}.check());
+}
+
+TEST_CASE("the context has at least one thread and passes progress on") {
+  Context ctx;
+  CHECK(ctx.thread_count() >= 1);
+  ctx.threads = 3;
+  CHECK(ctx.thread_count() == 3);
+  CHECK_NOTHROW(ctx.progress("nobody listens", 0.5));
+  double seen = 0;
+  ctx.on_progress = [&](std::string_view phase, double fraction) {
+    CHECK(phase == "slice");
+    seen = fraction;
+  };
+  ctx.progress("slice", 0.25);
+  CHECK(seen == 0.25);
+}
+
+}  // namespace voidpath::run
