@@ -114,6 +114,9 @@ struct Angles {
 };
 Angles angles_of(const Vec3& direction);
 
+/// The chosen candidate against the part as delivered, by their criteria, in words.
+std::string explain(const Choice& choice);
+
 std::string to_string(Method method);
 /// "toolpath", "thesis", "ahsan", "as-delivered"; empty for anything else.
 std::optional<Method> method_from(const std::string& name);

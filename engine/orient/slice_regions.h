@@ -1,0 +1,53 @@
+#pragma once
+
+#include "engine/orient/cross_section.h"
+
+#include <vector>
+
+namespace voidpath::orient {
+
+/// C and D of one slice.
+struct SliceMeasure {
+  double regions = 0;
+  double mean_distance_mm = 0;  ///< over all pairs; 0 for fewer than two regions
+};
+
+/// Contours that enclose less are lines or points, not regions: the plane grazes the part there. mm²
+inline constexpr double kLeastArea = 1e-9;
+
+/// Counts the regions of a slice and measures the distances between them. Keeps its memory.
+class SliceRegions {
+ public:
+  /// Closed rings that do not cross one another: outer ones counter-clockwise, holes clockwise.
+  SliceMeasure measure(const std::vector<Point2>& points, const std::vector<Contour>& contours);
+
+ private:
+  struct Box {
+    double x0, y0, x1, y1;
+  };
+  struct Ring {
+    std::size_t begin, end;  ///< in points
+    double area;             ///< signed
+    std::size_t tree;        ///< its first box in boxes_
+    std::size_t leaves;      ///< a power of two
+    Box box;
+  };
+  Ring make_ring(const Contour& c);
+  Box node(const Ring& r, std::size_t i) const { return boxes_[r.tree + i]; }
+  double distance(const Ring& a, const Ring& b);
+  double leaf_distance2(const Ring& a, std::size_t leaf_a, const Ring& b, std::size_t leaf_b,
+                        double best2) const;
+  bool inside(const Ring& ring, Point2 p) const;
+  double region_distance(const Ring& a, const Ring& b);
+
+  const std::vector<Point2>* points_ = nullptr;
+  std::vector<Ring> outer_, holes_;
+  std::vector<Box> boxes_;
+  struct NodePair {
+    double gap2;
+    std::size_t a, b;
+  };
+  std::vector<NodePair> stack_;
+};
+
+}  // namespace voidpath::orient

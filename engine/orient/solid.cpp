@@ -1,0 +1,163 @@
+#include "engine/orient/solid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace voidpath::orient {
+
+namespace {
+
+/// Corner k of facet t and the edge that leaves it.
+using HalfEdge = std::uint64_t;
+HalfEdge half_edge(std::size_t t, std::size_t k) { return t * 3 + k; }
+
+struct EdgeUse {
+  Index high;   ///< the larger vertex of the edge
+  bool rising;  ///< runs from the smaller vertex to the larger
+  HalfEdge half;
+};
+
+/// Joins the facets round one edge, each with its partner across the material between them.
+void join_fan(const Solid& s, std::vector<EdgeUse>& uses, std::vector<mesh::Triangle>& beside) {
+  auto set = [&](const EdgeUse& a, const EdgeUse& b) {
+    beside[a.half / 3][a.half % 3] = static_cast<Index>(b.half / 3);
+    beside[b.half / 3][b.half % 3] = static_cast<Index>(a.half / 3);
+  };
+  if (uses.size() == 2) {
+    if (uses[0].rising != uses[1].rising) set(uses[0], uses[1]);
+    return;
+  }
+  if (uses.size() < 2) return;
+  const auto& first = s.triangles[uses[0].half / 3];
+  const std::size_t k0 = uses[0].half % 3;
+  const Index from = uses[0].rising ? first[k0] : first[(k0 + 1) % 3];
+  const Vec3 origin = s.vertices[from];
+  const Vec3 axis = (s.vertices[uses[0].high] - origin).normalized();
+  const Vec3 e1 = axis.unitOrthogonal();
+  const Vec3 e2 = axis.cross(e1);
+  struct Spoke {
+    double angle;
+    EdgeUse use;
+  };
+  std::vector<Spoke> spokes;
+  for (const EdgeUse& u : uses) {
+    const Vec3 r = s.vertices[s.triangles[u.half / 3][(u.half % 3 + 2) % 3]] - origin;
+    spokes.push_back({std::atan2(r.dot(e2), r.dot(e1)), u});
+  }
+  std::stable_sort(spokes.begin(), spokes.end(),
+                   [](const Spoke& a, const Spoke& b) { return a.angle < b.angle; });
+  // A facet whose edge rises along the axis looks towards growing angles, so material lies from each falling
+  // spoke onward to the next rising one. Matching as brackets keeps overlapping bodies apart.
+  std::vector<EdgeUse> open;
+  std::vector<bool> taken(spokes.size(), false);
+  for (std::size_t turn = 0; turn < 2 * spokes.size(); ++turn) {
+    const std::size_t i = turn % spokes.size();
+    if (taken[i]) continue;
+    if (!spokes[i].use.rising) {
+      if (turn < spokes.size()) open.push_back(spokes[i].use);
+    } else if (!open.empty()) {
+      set(open.back(), spokes[i].use);
+      open.pop_back();
+      taken[i] = true;
+    }
+  }
+}
+
+/// Facets across every edge, in linear time: half-edges are gathered at their smaller vertex.
+void find_neighbours(Solid& s) {
+  const std::size_t n = s.triangles.size();
+  s.beside.assign(n, {kNone, kNone, kNone});
+  std::vector<Index> start(s.vertices.size() + 1, 0);
+  auto ends = [&](std::size_t t, std::size_t k) {
+    return std::pair(s.triangles[t][k], s.triangles[t][(k + 1) % 3]);
+  };
+  for (std::size_t t = 0; t < n; ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [a, b] = ends(t, k);
+      ++start[std::min(a, b) + 1];
+    }
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  std::vector<EdgeUse> uses(3 * n);
+  std::vector<Index> fill(start.begin(), start.end() - 1);
+  for (std::size_t t = 0; t < n; ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [a, b] = ends(t, k);
+      uses[fill[std::min(a, b)]++] = {std::max(a, b), a < b, half_edge(t, k)};
+    }
+  std::vector<EdgeUse> fan;
+  for (std::size_t v = 0; v + 1 < start.size(); ++v) {
+    const auto begin = uses.begin() + start[v];
+    const auto end = uses.begin() + start[v + 1];
+    std::sort(begin, end, [](const EdgeUse& a, const EdgeUse& b) {
+      return a.high != b.high ? a.high < b.high : a.half < b.half;
+    });
+    for (auto it = begin; it != end;) {
+      auto stop = it;
+      fan.clear();
+      while (stop != end && stop->high == it->high) fan.push_back(*stop++);
+      join_fan(s, fan, s.beside);
+      it = stop;
+    }
+  }
+}
+
+void find_shells(Solid& s) {
+  s.shell_of.assign(s.triangles.size(), kNone);
+  std::vector<Index> todo;
+  Index shells = 0;
+  for (Index seed = 0; seed < s.triangles.size(); ++seed) {
+    if (s.shell_of[seed] != kNone) continue;
+    s.shell_of[seed] = shells;
+    todo.push_back(seed);
+    while (!todo.empty()) {
+      const Index t = todo.back();
+      todo.pop_back();
+      for (const Index next : s.beside[t])
+        if (next != kNone && s.shell_of[next] == kNone) {
+          s.shell_of[next] = shells;
+          todo.push_back(next);
+        }
+    }
+    ++shells;
+  }
+  s.shell_walls.assign(shells, Wall::outward);
+  s.shell_tangled.assign(shells, 0);
+}
+
+void find_normals(Solid& s) {
+  s.vertex_normals.assign(s.vertices.size(), Vec3::Zero());
+  s.triangle_normals.reserve(s.triangles.size());
+  auto unit = [](const Vec3& v) {
+    const double length = v.norm();
+    return length > 0 ? Vec3(v / length) : Vec3(Vec3::Zero());
+  };
+  for (const auto& t : s.triangles) {
+    const Vec3 n = (s.vertices[t[1]] - s.vertices[t[0]]).cross(s.vertices[t[2]] - s.vertices[t[0]]);
+    for (const Index v : t) s.vertex_normals[v] += n;
+    s.triangle_normals.push_back(unit(n));
+  }
+  for (Vec3& n : s.vertex_normals) n = unit(n);
+}
+
+}  // namespace
+
+Solid prepare_solid(const mesh::TriangleMesh& mesh) {
+  Solid s;
+  const mesh::Bounds box = mesh::bounds(mesh);
+  const Vec3 middle = 0.5 * (box.min + box.max);
+  s.vertices.reserve(mesh.vertices.size());
+  for (const Vec3& v : mesh.vertices) s.vertices.push_back(v - middle);
+  s.triangles = mesh.triangles;
+  for (const Vec3& v : s.vertices) s.radius_mm = std::max(s.radius_mm, v.norm());
+  s.centre_of_mass = mesh::centroid(mesh) - middle;
+  s.signed_volume_mm3 = mesh::volume(mesh);
+  s.volume_mm3 = s.signed_volume_mm3;
+  find_neighbours(s);
+  find_shells(s);
+  find_normals(s);
+  return s;
+}
+
+}  // namespace voidpath::orient
