@@ -1,0 +1,83 @@
+#include "firmware-io/marlin/codec.h"
+#include "firmware-io/marlin/file_command.h"
+#include "firmware-io/printer_port.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+namespace voidpath::fw {
+namespace {
+
+// Slicers write thumbnails as comments of up to 80 characters and settings of some thousand; a longer line is
+// not G-code.
+constexpr std::size_t kMaxFileLine = 1 << 20;
+
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+
+class GcodeFile final : public LineSource {
+ public:
+  explicit GcodeFile(std::string name) : name_(std::move(name)), file_(std::fopen(name_.c_str(), "rbe")) {
+    if (!file_) throw std::runtime_error(name_ + ": " + std::strerror(errno));
+    std::fseek(file_.get(), 0, SEEK_END);
+    const long end = std::ftell(file_.get());
+    if (end < 0) throw std::runtime_error(name_ + ": not a regular file");
+    size_ = static_cast<std::uint64_t>(end);
+    std::rewind(file_.get());
+  }
+
+  std::optional<SourceLine> next() override {
+    while (read_line()) {
+      const std::uint32_t index = lines_++;
+      std::string command;
+      try {
+        command = marlin::file_command(line_);
+      } catch (const std::runtime_error& error) {
+        throw std::runtime_error(name_ + ":" + std::to_string(index + 1) + ": " + error.what());
+      }
+      if (!command.empty()) return SourceLine{std::move(command), index};
+    }
+    return {};
+  }
+  std::uint64_t position() const noexcept override { return position_; }
+  std::uint64_t size() const noexcept override { return size_; }
+
+ private:
+  // The next line without its end; false at the end of the file.
+  bool read_line() {
+    line_.clear();
+    int c = 0;
+    while ((c = ::getc_unlocked(file_.get())) != EOF) {
+      ++position_;
+      if (c == '\n') return true;
+      line_ += static_cast<char>(c);
+      if (line_.size() > kMaxFileLine) fail("not G-code: a line without end");
+    }
+    if (std::ferror(file_.get())) fail("cannot read");
+    return !line_.empty();
+  }
+
+  [[noreturn]] void fail(const char* what) const {
+    throw std::runtime_error(name_ + ":" + std::to_string(lines_ + 1) + ": " + what);
+  }
+
+  std::string name_;
+  std::unique_ptr<std::FILE, CloseFile> file_;
+  std::string line_;
+  std::uint32_t lines_ = 0;
+  std::uint64_t position_ = 0;
+  std::uint64_t size_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<LineSource> open_gcode_file(const std::string& file) {
+  return std::make_unique<GcodeFile>(file);
+}
+
+}  // namespace voidpath::fw

@@ -1,0 +1,111 @@
+#include "firmware-io/marlin/codec.h"
+
+#include <algorithm>
+#include <cassert>
+#include <charconv>
+
+namespace voidpath::fw::marlin {
+namespace {
+
+// A printer's longest honest line (M115) has some 300 characters; noise without newlines must not pile up.
+constexpr std::size_t kMaxReply = 4096;
+
+bool allowed(char c) noexcept {
+  return c >= 0x20 && c <= 0x7E && c != ';' && c != '*' && c != '\\' && c != '(' && c != ')';
+}
+
+void append_number(std::string& out, std::uint32_t value) {
+  char digits[10];
+  const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
+  out.append(digits, end);
+}
+
+// Where the comment begins. A semicolon cannot be quoted: Marlin cuts there in any text.
+std::size_t comment_start(std::string_view raw) { return std::min(raw.find(';'), raw.size()); }
+
+// Without balanced (comments). A lone parenthesis stays and falls to the character filter.
+std::string without_parentheses(std::string_view text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const std::size_t close = text[i] == '(' ? text.find(')', i) : std::string_view::npos;
+    if (close == std::string_view::npos) {
+      out += text[i];
+    } else {
+      i = close;
+    }
+  }
+  return out;
+}
+
+bool carries_text(std::string_view text) {
+  const auto starts = [&](std::string_view word) {
+    return text.size() >= word.size() && (text[0] == 'M' || text[0] == 'm') &&
+           text.substr(1, word.size() - 1) == word.substr(1);
+  };
+  return starts("M117") || starts("M118") || starts("M23") || starts("M0") || starts("M1 ");
+}
+
+}  // namespace
+
+std::uint8_t checksum(std::string_view bytes) noexcept {
+  std::uint8_t sum = 0;
+  for (const char c : bytes) sum = static_cast<std::uint8_t>(sum ^ static_cast<unsigned char>(c));
+  return sum;
+}
+
+std::string frame(std::uint32_t number, std::string_view payload) {
+  assert(is_clean(payload));
+  std::string out;
+  out.reserve(payload.size() + 16);
+  out += 'N';
+  append_number(out, number);
+  out += ' ';
+  out += payload;
+  const std::uint8_t sum = checksum(out);
+  out += '*';
+  append_number(out, sum);
+  out += '\n';
+  return out;
+}
+
+std::string sanitise(std::string_view raw) {
+  raw = raw.substr(0, comment_start(raw));
+  const auto first = raw.find_first_not_of(" \t\r\n\v\f");
+  if (first == std::string_view::npos) return {};
+  raw.remove_prefix(first);
+  const std::string bare = carries_text(raw) ? std::string(raw) : without_parentheses(raw);
+  std::string out;
+  out.reserve(bare.size());
+  for (const char c : bare) {
+    if (c == '\t') {
+      out += ' ';
+    } else if (allowed(c) && !(out.empty() && c == ' ')) {
+      out += c;
+    }
+  }
+  out.erase(out.find_last_not_of(' ') + 1);
+  return out;
+}
+
+bool is_clean(std::string_view payload) noexcept {
+  return !payload.empty() && payload.front() != ' ' && payload.back() != ' ' &&
+         std::all_of(payload.begin(), payload.end(), allowed);
+}
+
+bool LineSplitter::next(std::string& line) {
+  while (true) {
+    auto end = buffer_.find('\n', start_);
+    if (end == std::string::npos) {
+      buffer_.erase(0, start_);
+      start_ = 0;
+      if (buffer_.size() > kMaxReply) buffer_.clear();
+      return false;
+    }
+    line.assign(buffer_, start_, end - start_);
+    start_ = end + 1;
+    std::erase_if(line, [](char c) { return c == '\0' || c == '\r'; });
+    if (line.find_first_not_of(' ') != std::string::npos) return true;
+  }
+}
+
+}  // namespace voidpath::fw::marlin

@@ -1,0 +1,328 @@
+#include "firmware-io/marlin/driver.h"
+
+#include "firmware-io/marlin/words.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace voidpath::fw::marlin {
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr double kStatsPeriod_s = 10;
+
+// Temperature polling where the firmware does not report by itself, as fast as people can use it.
+constexpr double kPollHot_s = 2;
+constexpr double kPollCold_s = 5;
+// A firmware that reports each second and has been mute for so long is asked whether it lives.
+constexpr double kMute_s = 10;
+constexpr double kHot_c = 45;
+
+// After an emergency stop the port stays open so long, for the printer's last words.
+constexpr double kLastWords_s = 1;
+
+const std::vector<std::string> kHeatersOff = {"M104 S0", "M140 S0", "M107"};
+
+}  // namespace
+
+Driver::Driver(DriverOptions options, const Clock& stamp, FlightRecorder& recorder,
+               std::function<void(const Event&)> handler)
+    : options_(std::move(options)),
+      stamp_(stamp),
+      recorder_(recorder),
+      handler_(std::move(handler)),
+      link_(options_.window, options_.timing, options_.byte_s, stamp, recorder) {}
+
+void Driver::emit(decltype(Event::what) what) { handler_({stamp_.now_s(), std::move(what)}); }
+
+void Driver::received(std::string_view bytes, double t) {
+  received_t_ = t;
+  splitter_.feed(bytes);
+  std::string line;
+  while (phase_ != Phase::closed && splitter_.next(line)) dispatch(line, t);
+  settle(t);
+}
+
+// After anything that may have changed what can be sent.
+void Driver::settle(double t) {
+  if (phase_ == Phase::identifying || phase_ == Phase::ready) {
+    collect(t);
+    pump(t);
+    check_health(t);
+  }
+}
+
+void Driver::dispatch(const std::string& line, double t) {
+  recorder_.received(stamp_.now_s(), line);
+  const Reply reply = parse_reply(line);
+  if (phase_ == Phase::identifying || phase_ == Phase::ready) link_.on_reply(reply, t);
+  if (phase_ == Phase::ready) {
+    dispatch_ready(reply, t);
+  } else if (phase_ == Phase::halted) {
+    emit(Message{line});
+  } else {
+    dispatch_handshake(reply, t);
+  }
+}
+
+void Driver::dispatch_ready(const Reply& reply, double t) {
+  if (const auto* ok = std::get_if<Ok>(&reply)) {
+    if (!ok->sensors.empty()) note_sensors(ok->sensors);
+    collect(t);
+  } else if (const auto* report = std::get_if<TemperatureReport>(&reply)) {
+    if (report->waiting) link_.note_progress(t);
+    note_sensors(report->sensors);
+  } else if (const auto* error = std::get_if<Error>(&reply)) {
+    on_error(*error, t);
+  } else if (const auto* busy = std::get_if<Busy>(&reply)) {
+    link_.note_busy(t);
+    if (busy->for_user) {
+      link_.hold();
+      emit(Message{busy->why});
+    }
+  } else if (std::holds_alternative<Start>(reply)) {
+    on_restart(t);
+  } else if (const auto* action = std::get_if<Action>(&reply)) {
+    on_action(*action, t);
+  } else if (const auto* echo = std::get_if<Echo>(&reply)) {
+    emit(Message{echo->text});
+  } else if (const auto* other = std::get_if<Other>(&reply)) {
+    emit(Message{other->text});
+  } else if (const auto* firmware = std::get_if<Firmware>(&reply)) {
+    emit(Message{firmware->info.name});
+  }
+}
+
+void Driver::on_error(const Error& error, double) {
+  if (error.kind == Error::Kind::framing) return;  // the window's business
+  emit(Message{"Error: " + error.text});
+  if (error.kind != Error::Kind::fatal) return;
+  for (const std::string& line : kHeatersOff) link_.send_raw(line, false, received_t_);
+  fail(error.text);
+}
+
+void Driver::on_restart(double t) {
+  const std::string reason = "the printer restarted";
+  if (job_) {
+    report_stats();
+    job_.reset();
+    emit(PrintFailed{reason + " in mid-print"});
+  }
+  controls_.clear();
+  link_.output().clear();
+  if (std::exchange(connected_, false)) emit(Disconnected{reason});
+  start_seen_ = true;
+  greetings_ = 0;
+  enter(Phase::booting, t + options_.handshake.banner_quiet_s);
+}
+
+void Driver::on_action(const Action& action, double t) {
+  emit(Message{"action: " + action.name + (action.argument.empty() ? "" : " " + action.argument)});
+  if (action.name == "pause" || action.name == "paused" || action.name == "out_of_filament") {
+    if (job_) job_->pause(true, action.argument.empty() ? "the printer asked for it" : action.argument);
+    if (action.name == "paused") link_.hold();
+  } else if (action.name == "resume" || action.name == "resumed") {
+    resume(t);
+  } else if (action.name == "cancel") {
+    cancel("the printer asked for it", t);
+  }
+}
+
+void Driver::note_sensors(const Sensors& sensors) {
+  hot_ = std::any_of(sensors.begin(), sensors.end(), [](const auto& sensor) {
+    return sensor.second.actual_c > kHot_c || sensor.second.target_c > 0;
+  });
+  polled_t_ = received_t_;
+  emit(Temperatures{sensors});
+}
+
+void Driver::collect(double t) {
+  while (const auto tag = link_.take_acknowledged()) {
+    if (job_ && tag->kind != Tag::Kind::control) {
+      const bool last = tag->kind == Tag::Kind::finish;
+      if (last) report_stats();
+      job_->on_acknowledged(*tag);
+      if (job_->over()) job_.reset();
+    }
+  }
+  if (phase_ == Phase::identifying && link_.all_acknowledged()) {
+    if (!firmware_.name.empty()) {
+      become_ready(t);
+    } else {
+      phase_deadline_ = std::min(phase_deadline_, t + options_.handshake.nameless_s);
+    }
+  }
+}
+
+void Driver::pump(double t) {
+  link_.pump(t);
+  while (!controls_.empty() && link_.may_send(controls_.front())) {
+    const std::string line = std::move(controls_.front());
+    controls_.pop_front();
+    link_.send(line, {.kind = Tag::Kind::control, .is_long = is_long(line)}, t);
+  }
+  if (job_) job_->feed(link_, t);
+  if (link_.wants_probe() && link_.may_send("M105")) link_.send("M105", {}, t);
+}
+
+void Driver::check_health(double) {
+  switch (link_.window().health()) {
+    case Window::Health::good:
+      return;
+    case Window::Health::stuck:
+      fail("the printer refuses one line again and again");
+      break;
+    case Window::Health::no_history:
+      fail("the printer asks for a line that was never sent or is long gone");
+      break;
+    case Window::Health::silent:
+      fail("the printer no longer answers");
+      break;
+  }
+}
+
+// The dialogue cannot go on: what may still be heard is M112.
+void Driver::fail(const std::string& reason) {
+  if (job_) {
+    link_.output() += "\nM112\n";
+    report_stats();
+    job_.reset();
+    emit(PrintFailed{reason});
+  }
+  disconnect(reason);
+}
+
+void Driver::disconnect(const std::string& reason) {
+  phase_ = Phase::closed;
+  controls_.clear();
+  if (std::exchange(connected_, false) || reason != last_loss_) emit(Disconnected{reason});
+  last_loss_ = reason;
+}
+
+void Driver::lost(const std::string& reason) {
+  link_.output().clear();
+  if (job_) {
+    report_stats();
+    job_.reset();
+    emit(PrintFailed{"connection lost: " + reason});
+  }
+  disconnect(reason);
+}
+
+void Driver::elapsed(double t) {
+  if (phase_ == Phase::closed) return;
+  if (phase_ != Phase::ready && t >= phase_deadline_) handshake_elapsed(t);
+  if (phase_ == Phase::identifying || phase_ == Phase::ready) {
+    link_.elapsed(t);
+    if (phase_ == Phase::ready && t >= poll_at()) poll_temperature(t);
+    if (job_ && t >= stats_t_ + kStatsPeriod_s) stats_t_ = t, report_stats();
+  }
+  settle(t);
+}
+
+double Driver::deadline() const noexcept {
+  if (phase_ == Phase::closed) return kNever;
+  double next = phase_ == Phase::ready ? poll_at() : phase_deadline_;
+  if (phase_ == Phase::identifying || phase_ == Phase::ready) next = std::min(next, link_.deadline());
+  if (job_) next = std::min(next, stats_t_ + kStatsPeriod_s);
+  return next;
+}
+
+bool Driver::reports_by_itself() const noexcept {
+  const auto found = firmware_.capabilities.find("AUTOREPORT_TEMP");
+  return found != firmware_.capabilities.end() && found->second;
+}
+
+double Driver::poll_at() const noexcept {
+  if (job_ && job_->heating()) return kNever;  // its answer would come only after the wait
+  if (!reports_by_itself()) return polled_t_ + (hot_ ? kPollHot_s : kPollCold_s);
+  // While lines are out the stall timers watch.
+  return link_.all_acknowledged() ? std::max(received_t_, polled_t_) + kMute_s : kNever;
+}
+
+void Driver::poll_temperature(double t) {
+  polled_t_ = t;
+  if (controls_.empty()) controls_.push_back("M105");
+}
+
+void Driver::report_stats() {
+  emit(LinkStats{link_.lines_sent(), link_.window().resend_requests(), link_.bytes_sent(),
+                 link_.window().limit_bytes()});
+}
+
+void Driver::print(std::unique_ptr<LineSource> source, double t) {
+  if (phase_ != Phase::ready || job_) {
+    emit(PrintFailed{job_ ? "a print is already running" : "the printer is not connected"});
+    return;
+  }
+  stats_t_ = t;
+  job_ = std::make_unique<PrintJob>(std::move(source), [this](auto what) { emit(std::move(what)); });
+  settle(t);
+}
+
+void Driver::pause() {
+  if (job_) job_->pause(false, "");
+}
+
+void Driver::resume(double t) {
+  if (!job_) return;
+  link_.note_progress(t);
+  job_->resume();
+  settle(t);
+}
+
+void Driver::cancel(const std::string& reason, double t) {
+  if (!job_) return;
+  std::vector<std::string> lines = options_.cancel_gcode;
+  lines.insert(lines.end(), kHeatersOff.begin(), kHeatersOff.end());
+  lines.push_back("M84");
+  if (!job_->ending() && !reason.empty()) emit(Message{"cancelled: " + reason});
+  job_->end(std::move(lines), PrintCancelled{}, link_, t);
+  settle(t);
+}
+
+void Driver::shut_down(double t) {
+  if (!job_) return;
+  std::vector<std::string> lines = kHeatersOff;
+  lines.insert(lines.end(), options_.cancel_gcode.begin(), options_.cancel_gcode.end());
+  lines.push_back("M84");
+  job_->end(std::move(lines), PrintCancelled{}, link_, t);
+  settle(t);
+}
+
+void Driver::halt(const std::string& reason, double t) {
+  if (phase_ == Phase::closed || phase_ == Phase::halted) return;
+  urgent_ = true;
+  link_.output().clear();
+  // The newline ends a line cut off in the middle. Unnumbered is seen at once by firmware without emergency
+  // parser, numbered by the rest that insists on numbers.
+  link_.send_raw("\nM112", false, t);
+  link_.send_raw(frame(link_.window().next_number(), "M112"), false, t);
+  if (job_) {
+    report_stats();
+    job_.reset();
+    emit(PrintFailed{reason});
+  }
+  controls_.clear();
+  last_loss_ = reason;
+  if (std::exchange(connected_, false)) emit(Disconnected{reason});
+  enter(Phase::halted, t + kLastWords_s);
+}
+
+void Driver::command(const std::string& raw, double t) {
+  const std::string line = sanitise(raw);
+  if (line.empty()) return;
+  const Word word = first_word(line);
+  if (word == Word{'M', 112}) return halt("emergency stop by command", t);
+  if (phase_ != Phase::ready) return emit(Message{"not sent, the printer is not connected: " + line});
+  if (word == Word{'M', 110} || line.size() > kMaxPayload) return emit(Message{"not sent: " + line});
+  if (is_out_of_band(line)) {
+    link_.send_raw(line, true, t);
+  } else {
+    controls_.push_back(line);
+  }
+  settle(t);
+}
+
+}  // namespace voidpath::fw::marlin

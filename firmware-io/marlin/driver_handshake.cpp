@@ -1,0 +1,107 @@
+#include "firmware-io/marlin/driver.h"
+
+#include <utility>
+
+/// From an open port to a printer that is known: wait for its boot, set the line number, ask who it is.
+namespace voidpath::fw::marlin {
+namespace {
+
+constexpr int kGreetings = 3;
+
+// A firmware busy with a long command says so and gets more time.
+constexpr double kBusyGrace_s = 5;
+
+}  // namespace
+
+void Driver::opened(double t) {
+  splitter_.clear();
+  link_.output().clear();
+  link_.restart(0);
+  controls_.clear();
+  firmware_ = {};
+  start_seen_ = false;
+  greetings_ = 0;
+  received_t_ = t;
+  enter(Phase::booting, t + options_.handshake.boot_wait_s);
+}
+
+void Driver::greet(double t) {
+  if (++greetings_ > kGreetings) return disconnect("the printer does not answer");
+  // The empty line ends whatever garbage stands in the printer's line buffer.
+  link_.restart(0);
+  link_.output() += "\n";
+  link_.send_raw("N0 M110 N0*125", false, t);
+  greeted_t_ = t;
+  enter(Phase::greeting, t + options_.handshake.answer_s);
+}
+
+void Driver::dispatch_handshake(const Reply& reply, double t) {
+  const HandshakeTiming& timing = options_.handshake;
+  if (std::holds_alternative<Start>(reply)) {
+    start_seen_ = true;
+    greetings_ = 0;
+    return enter(Phase::booting, t + timing.banner_quiet_s);
+  }
+  if (const auto* report = std::get_if<TemperatureReport>(&reply)) note_sensors(report->sensors);
+  if (phase_ == Phase::booting && start_seen_) {
+    phase_deadline_ = t + timing.banner_quiet_s;
+  } else if (phase_ == Phase::greeting) {
+    if (std::holds_alternative<Busy>(reply)) phase_deadline_ = t + kBusyGrace_s;
+    if (std::holds_alternative<Ok>(reply) || std::holds_alternative<Wait>(reply)) {
+      link_.learn_round_trip(t - greeted_t_);
+      enter(Phase::settling, t + timing.settle_s);
+    }
+  } else if (phase_ == Phase::identifying) {
+    if (std::holds_alternative<Busy>(reply)) {
+      link_.note_busy(t);
+      phase_deadline_ = t + kBusyGrace_s;
+    } else if (const auto* firmware = std::get_if<Firmware>(&reply)) {
+      auto capabilities = std::move(firmware_.capabilities);
+      firmware_ = firmware->info;
+      firmware_.capabilities = std::move(capabilities);
+    } else if (const auto* capability = std::get_if<Capability>(&reply)) {
+      firmware_.capabilities[capability->name] = capability->on;
+    }
+  }
+}
+
+void Driver::handshake_elapsed(double t) {
+  switch (phase_) {
+    case Phase::booting:
+    case Phase::greeting:
+      greet(t);
+      break;
+    case Phase::settling:
+      link_.restart(0);
+      enter(Phase::identifying, t + options_.handshake.identify_s);
+      link_.send("M115", {}, t);
+      break;
+    case Phase::identifying:
+      if (link_.all_acknowledged()) {
+        become_ready(t);
+      } else {
+        disconnect("the printer does not say who it is");
+      }
+      break;
+    case Phase::halted:
+      phase_ = Phase::closed;
+      break;
+    case Phase::ready:
+    case Phase::closed:
+      break;
+  }
+}
+
+void Driver::become_ready(double t) {
+  phase_ = Phase::ready;
+  connected_ = true;
+  last_loss_.clear();
+  polled_t_ = 0;
+  if (reports_by_itself()) {
+    controls_.push_back("M155 S1");
+    polled_t_ = t;
+  }
+  emit(Connected{firmware_});
+}
+
+}  // namespace voidpath::fw::marlin

@@ -1,0 +1,112 @@
+#include "firmware-io/marlin/link.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace voidpath::fw::marlin {
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+// One `wait` may have crossed a line on its way; the second, a second later, cannot have.
+constexpr int kWaitsThatMeanLoss = 2;
+
+}  // namespace
+
+Link::Link(WindowOptions options, Timing timing, double byte_s, const Clock& stamp, FlightRecorder& recorder)
+    : window_(options), timing_(timing), byte_s_(byte_s), stamp_(stamp), recorder_(recorder) {}
+
+void Link::restart(std::uint32_t last) {
+  window_.restart(last);
+  outstanding_.clear();
+  held_ = false;
+  waits_ = 0;
+}
+
+void Link::write(std::string_view framed, double t) {
+  if (window_.bytes_in_flight() <= static_cast<int>(framed.size())) progress_t_ = t;  // nothing else was out
+  patience_t_ = t;
+  recorder_.sent(stamp_.now_s(), framed);
+  output_ += framed;
+  ++lines_sent_;
+  bytes_sent_ += framed.size();
+}
+
+void Link::send(std::string_view payload, Tag tag, double t) {
+  outstanding_.push_back({window_.next_number(), tag});
+  write(window_.send(payload), t);
+}
+
+void Link::send_raw(std::string_view text, bool answered, double t) {
+  if (answered) window_.sent_unnumbered();
+  write(std::string(text) + "\n", t);
+}
+
+void Link::pump(double t) {
+  while (const auto framed = window_.resend()) write(*framed, t);
+}
+
+void Link::on_reply(const Reply& reply, double t) {
+  received_t_ = t;
+  if (!std::holds_alternative<Wait>(reply)) waits_ = 0;
+  if (const auto* ok = std::get_if<Ok>(&reply)) {
+    window_.on_ok(ok->line);
+    note_progress(t);
+    patience_t_ = t;
+  } else if (const auto* resend = std::get_if<Resend>(&reply)) {
+    window_.on_resend(resend->line);
+    note_progress(t);
+  } else if (const auto* error = std::get_if<Error>(&reply); error && error->kind == Error::Kind::framing) {
+    window_.on_framing_error(error->last_line);
+  } else if (std::holds_alternative<Wait>(reply)) {
+    window_.on_other_line();
+    if (++waits_ >= kWaitsThatMeanLoss && window_.waiting()) {
+      waits_ = 0;
+      window_.on_stall();
+      note_progress(t);
+    }
+  } else {
+    window_.on_other_line();
+  }
+}
+
+std::optional<Tag> Link::take_acknowledged() {
+  if (outstanding_.empty() || outstanding_.front().number > window_.acknowledged()) return {};
+  const Tag tag = outstanding_.front().tag;
+  outstanding_.pop_front();
+  return tag;
+}
+
+double Link::quiet_after_s() const noexcept {
+  // What was on the wire both ways when the request was made, at its longest.
+  const double wire_s = 2 * 128 * byte_s_;
+  return timing_.quiet_s + 2 * round_trip_s_ + wire_s;
+}
+
+double Link::stall_after_s() const noexcept {
+  if (window_.probe_was_answered()) return timing_.probe_s;
+  const bool is_long = std::any_of(outstanding_.begin(), outstanding_.end(),
+                                   [](const Outstanding& line) { return line.tag.is_long; });
+  if (is_long) return busy_seen_ ? timing_.long_busy_silence_s : timing_.long_silence_s;
+  return busy_seen_ ? timing_.busy_silence_s : timing_.silence_s;
+}
+
+double Link::deadline() const noexcept {
+  if (window_.draining()) return received_t_ + quiet_after_s();
+  if (!window_.waiting() || held_) return kNever;
+  double next = progress_t_ + stall_after_s();
+  if (window_.throttled()) next = std::min(next, patience_t_ + timing_.patience_s);
+  return next;
+}
+
+void Link::elapsed(double t) {
+  if (window_.draining()) {
+    if (t >= received_t_ + quiet_after_s()) window_.on_quiet(), note_progress(t);
+    return;
+  }
+  if (!window_.waiting() || held_) return;
+  if (window_.throttled() && t >= patience_t_ + timing_.patience_s) window_.on_patience(), patience_t_ = t;
+  if (t >= progress_t_ + stall_after_s()) window_.on_stall(), progress_t_ = t;
+}
+
+}  // namespace voidpath::fw::marlin

@@ -1,0 +1,103 @@
+#pragma once
+
+#include "firmware-io/clock.h"
+#include "firmware-io/flight_recorder.h"
+#include "firmware-io/marlin/reply.h"
+#include "firmware-io/marlin/window.h"
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace voidpath::fw::marlin {
+
+/// Protocol times in seconds of the steady clock, which is handed in as `t`.
+struct Timing {
+  double quiet_s = 0.05;      ///< after a resend request, beyond twice the round trip: USB bridges hold 16 ms
+  double patience_s = 0.25;   ///< without an ok, before a throttled window opens by a line
+  double silence_s = 30;      ///< without an ok, from a firmware that says no `busy`
+  double busy_silence_s = 6;  ///< the same from one that says it every 2 s
+  double long_silence_s = 900;  ///< a levelling run without `busy`
+  double long_busy_silence_s = 15;
+  double probe_s = 1;  ///< after a probe was answered: nothing else was owed
+};
+
+/// What a numbered line was for; handed back when it is acknowledged.
+struct Tag {
+  enum class Kind { file, control, finish, ending };
+  Kind kind = Kind::control;
+  std::uint32_t index = 0;
+  std::uint64_t file_position = 0;
+  bool heating = false;
+  bool is_long = false;
+};
+
+/// The numbered dialogue with its timers: the window, what is to be written, what comes back. No I/O.
+/// One thread.
+class Link {
+ public:
+  Link(WindowOptions options, Timing timing, double byte_s, const Clock& stamp, FlightRecorder& recorder);
+
+  /// Numbers begin after `last`; all that was outstanding is forgotten.
+  void restart(std::uint32_t last);
+  void learn_round_trip(double seconds) { round_trip_s_ = seconds; }
+
+  bool may_send(std::string_view payload) const noexcept { return window_.may_send(payload); }
+  void send(std::string_view payload, Tag tag, double t);
+  /// Without a number. `answered`: an ok comes back for it.
+  void send_raw(std::string_view text, bool answered, double t);
+  /// Sends what was asked for again, as far as it may go.
+  void pump(double t);
+
+  void on_reply(const Reply& reply, double t);
+  /// The firmware lives and works: the stall timers start again.
+  void note_progress(double t) { progress_t_ = t, held_ = false; }
+  /// Waits for a person: no timers until it goes on.
+  void hold() { held_ = true; }
+  /// The firmware says `busy` by itself.
+  void note_busy(double t) { busy_seen_ = true, note_progress(t); }
+
+  std::optional<Tag> take_acknowledged();
+  double deadline() const noexcept;
+  void elapsed(double t);
+
+  bool all_acknowledged() const noexcept { return window_.idle(); }
+  /// A line is needed to provoke an answer, and nobody sent one.
+  bool wants_probe() const noexcept { return window_.wants_probe() && !window_.draining(); }
+  bool busy_seen() const noexcept { return busy_seen_; }
+  const Window& window() const noexcept { return window_; }
+  std::string& output() noexcept { return output_; }
+  std::uint64_t lines_sent() const noexcept { return lines_sent_; }
+  std::uint64_t bytes_sent() const noexcept { return bytes_sent_; }
+
+ private:
+  struct Outstanding {
+    std::uint32_t number = 0;
+    Tag tag;
+  };
+  void write(std::string_view framed, double t);
+  double stall_after_s() const noexcept;
+  double quiet_after_s() const noexcept;
+
+  Window window_;
+  Timing timing_;
+  double byte_s_;
+  const Clock& stamp_;
+  FlightRecorder& recorder_;
+  std::string output_;
+  std::deque<Outstanding> outstanding_;
+  double round_trip_s_ = 0;
+  double received_t_ = 0;
+  double progress_t_ = 0;
+  double patience_t_ = 0;
+  bool held_ = false;
+  bool busy_seen_ = false;
+  int waits_ = 0;  ///< `wait` in a row
+  std::uint64_t lines_sent_ = 0;
+  std::uint64_t bytes_sent_ = 0;
+};
+
+}  // namespace voidpath::fw::marlin

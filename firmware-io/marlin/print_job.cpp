@@ -1,0 +1,114 @@
+#include "firmware-io/marlin/print_job.h"
+
+#include "firmware-io/marlin/words.h"
+
+#include <exception>
+#include <utility>
+
+namespace voidpath::fw::marlin {
+
+PrintJob::PrintJob(std::unique_ptr<LineSource> source, Emit emit)
+    : source_(std::move(source)), emit_(std::move(emit)) {}
+
+// True when pending_ holds the next line; false at the end of the file.
+bool PrintJob::fetch() {
+  if (!pending_) {
+    pending_ = source_->next();
+    pending_position_ = source_->position();
+  }
+  return pending_.has_value();
+}
+
+void PrintJob::note_sent(const std::string& text) {
+  if (!std::exchange(started_, true)) emit_(PrintStarted{});
+  if (is_heating_wait(text)) {
+    heating_ = true;
+    emit_(Heating{true});
+  } else if (motion_armed_ && is_motion(text)) {
+    motion_armed_ = false;
+    emit_(MotionStarted{});
+  }
+}
+
+PrintJob::Step PrintJob::feed_line(Link& link, double t) {
+  if (heating_) return Step::wait;
+  if (!fetch()) {
+    if (!link.may_send("M400")) return Step::wait;
+    if (!std::exchange(started_, true)) emit_(PrintStarted{});
+    link.send("M400", {.kind = Tag::Kind::finish, .is_long = true}, t);
+    state_ = State::finishing;
+    return Step::wait;
+  }
+  const std::string& text = pending_->text;
+  if (is_pause(text)) {
+    const std::string reason = text;
+    pending_.reset();
+    pause(false, reason);
+    return Step::wait;
+  }
+  if (!link.may_send(text) || (is_heating_wait(text) && !link.all_acknowledged())) return Step::wait;
+  const Tag tag{Tag::Kind::file, pending_->index, pending_position_, is_heating_wait(text), is_long(text)};
+  link.send(text, tag, t);
+  note_sent(text);
+  pending_.reset();
+  return Step::sent;
+}
+
+void PrintJob::feed_ending(Link& link, double t) {
+  while (!ending_lines_.empty() && link.may_send(ending_lines_.front())) {
+    const std::string& text = ending_lines_.front();
+    link.send(text, {.kind = Tag::Kind::ending, .is_long = true}, t);  // waits for the moves before it
+    ending_lines_.pop_front();
+  }
+}
+
+void PrintJob::feed(Link& link, double t) {
+  if (state_ == State::ending) return feed_ending(link, t);
+  try {
+    while (state_ == State::feeding && feed_line(link, t) == Step::sent) {
+    }
+  } catch (const std::exception& error) {
+    end({"M104 S0", "M140 S0", "M107"}, PrintFailed{error.what()}, link, t);
+    feed_ending(link, t);
+  }
+}
+
+void PrintJob::on_acknowledged(const Tag& tag) {
+  if (tag.heating) {
+    heating_ = false;
+    motion_armed_ = true;
+    emit_(Heating{false});
+  }
+  if (tag.kind == Tag::Kind::file) emit_(LineDone{tag.index, tag.file_position});
+  if (tag.kind == Tag::Kind::finish && state_ == State::finishing) {
+    state_ = State::over;
+    emit_(PrintFinished{});
+  }
+  if (tag.kind == Tag::Kind::ending && --ending_unacknowledged_ == 0) {
+    state_ = State::over;
+    emit_(*outcome_);
+  }
+}
+
+void PrintJob::pause(bool by_printer, const std::string& reason) {
+  if (state_ != State::feeding) return;
+  state_ = State::paused;
+  emit_(Paused{by_printer, reason});
+}
+
+void PrintJob::resume() {
+  if (state_ != State::paused) return;
+  state_ = State::feeding;
+  emit_(Resumed{});
+}
+
+void PrintJob::end(std::vector<std::string> lines, decltype(Event::what) outcome, Link& link, double t) {
+  if (state_ == State::ending || state_ == State::over) return;
+  state_ = State::ending;
+  if (heating_) link.send_raw("M108", true, t);  // else the wait would go on for minutes
+  ending_lines_.assign(lines.begin(), lines.end());
+  ending_unacknowledged_ = ending_lines_.size();
+  outcome_ = std::move(outcome);
+}
+
+}  // namespace voidpath::fw::marlin

@@ -1,0 +1,64 @@
+#pragma once
+
+#include "firmware-io/event.h"
+#include "firmware-io/line_source.h"
+#include "firmware-io/marlin/link.h"
+
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace voidpath::fw::marlin {
+
+/// Emits an event, stamped with the session clock's present time.
+using Emit = std::function<void(decltype(Event::what))>;
+
+/// One print: pulls lines from the source into the link, and ends it, well or not. One thread.
+///
+/// A heating wait goes out only when everything before it is acknowledged, and nothing follows until it is
+/// acknowledged itself: so its beginning and end are known, and the first motion leaves right after it.
+class PrintJob {
+ public:
+  PrintJob(std::unique_ptr<LineSource> source, Emit emit);
+
+  /// Sends what may go now.
+  void feed(Link& link, double t);
+  void on_acknowledged(const Tag& tag);
+
+  void pause(bool by_printer, const std::string& reason);
+  void resume();
+  /// Ends the file here and sends `lines` instead; `outcome` is emitted when they are acknowledged.
+  /// A second call changes nothing.
+  void end(std::vector<std::string> lines, decltype(Event::what) outcome, Link& link, double t);
+
+  bool over() const noexcept { return state_ == State::over; }
+  bool ending() const noexcept { return state_ == State::ending; }
+  bool paused() const noexcept { return state_ == State::paused; }
+  bool heating() const noexcept { return heating_; }
+
+ private:
+  enum class State { feeding, paused, finishing, ending, over };
+  enum class Step { sent, wait };
+
+  bool fetch();
+  Step feed_line(Link& link, double t);
+  void feed_ending(Link& link, double t);
+  void note_sent(const std::string& text);
+
+  std::unique_ptr<LineSource> source_;
+  Emit emit_;
+  State state_ = State::feeding;
+  std::optional<SourceLine> pending_;
+  std::uint64_t pending_position_ = 0;
+  bool started_ = false;
+  bool heating_ = false;      ///< a heating wait is out
+  bool motion_armed_ = true;  ///< no motion since the start or the last heating wait
+  std::deque<std::string> ending_lines_;
+  std::size_t ending_unacknowledged_ = 0;
+  std::optional<decltype(Event::what)> outcome_;
+};
+
+}  // namespace voidpath::fw::marlin

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "firmware-io/marlin/driver.h"
+#include "firmware-io/printer_port.h"
+#include "firmware-io/transport/transport.h"
+
+#include <functional>
+#include <memory>
+
+namespace voidpath::fw::marlin {
+
+struct SessionOptions {
+  DriverOptions driver;
+  double reconnect_s = 2;
+  double shutdown_s = 5;  ///< at most so long a running print is ended in an orderly way on destruction
+};
+
+/// A Marlin-class printer behind any transport. `open` is called on the session's thread, again and again
+/// while there is no port. See PrinterPort for all else.
+std::unique_ptr<PrinterPort> start_session(SessionOptions options, OpenTransport open,
+                                           std::shared_ptr<const Clock> clock, PrinterPort::Handler handler);
+
+}  // namespace voidpath::fw::marlin

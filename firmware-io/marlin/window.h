@@ -1,0 +1,138 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Which line may be sent now: the send window of Marlin's numbered dialogue. Pure: no I/O, no clock.
+///
+/// Notation. A line has a number; `next` is the number the next new line gets. In flight is what was sent
+/// and not yet acknowledged, oldest first. `cursor` < next while lines must be sent again.
+///
+/// What is known of the firmware. It takes line n only after n-1, counts n as taken when it reads it, and
+/// says ok when it has executed it. A damaged line makes it drop everything in its receive buffer and ask for
+/// the next number it wants; every complete line arriving behind makes it ask again. The ok that ends such a
+/// request belongs to it and may overtake the oks still owed for earlier lines; some firmware never says it.
+/// A line that repeats the last or last but one taken is met with silence.
+///
+/// Exactly once needs the numbers alone; the acknowledgements only pace. A lost or doubled ok therefore
+/// costs time or moves an acknowledgement by a line, never a line.
+namespace voidpath::fw::marlin {
+
+struct WindowOptions {
+  int max_bytes = 127;         ///< unacknowledged bytes, newlines included: receive ring minus one
+  int stuck_rounds = 10;       ///< so many requests for one line in a row: it cannot pass
+  int silent_stalls = 5;       ///< so many stalls in a row: nobody is there
+  std::size_t history = 1024;  ///< lines kept for resending
+};
+
+class Window {
+ public:
+  enum class Health {
+    good,
+    stuck,       ///< one line is refused for ever
+    no_history,  ///< asked for a line no longer kept, or never sent, again and again
+    silent,      ///< no answer in spite of probing
+  };
+
+  explicit Window(WindowOptions options = {});
+
+  /// After `M110 N<last>` was taken: nothing in flight, the next line is last + 1.
+  void restart(std::uint32_t last);
+
+  // --- sending ---
+
+  /// True when a new line of this payload may go out now.
+  bool may_send(std::string_view payload) const noexcept;
+  /// Numbers, keeps and frames a new line; may_send() must hold.
+  std::string send(std::string_view payload);
+  /// A line the firmware wants again, framed, if there is one and it may go out now.
+  std::optional<std::string> resend();
+  /// An unnumbered line that will be answered by an ok went out.
+  void sent_unnumbered();
+
+  // --- what the printer says; each line of it is reported by exactly one of these ---
+
+  void on_ok(std::optional<std::uint32_t> line);
+  void on_resend(std::uint32_t line);
+  void on_framing_error(std::optional<std::uint32_t> last_line);
+  void on_other_line();
+
+  // --- what the clock says ---
+
+  /// After a resend request the line has been quiet long enough for nothing more to come.
+  void on_quiet();
+  /// No ok for a while though the window is not full: one more line can do no harm.
+  void on_patience();
+  /// No ok for so long that one must have been lost: lets one line out to provoke an answer.
+  void on_stall();
+
+  // --- state ---
+
+  bool draining() const noexcept { return draining_; }
+  bool resending() const noexcept { return cursor_ < next_; }
+  /// Nothing in flight and nothing to send again.
+  bool idle() const noexcept { return in_flight_.empty() && !resending() && !draining_; }
+  bool waiting() const noexcept { return !in_flight_.empty(); }
+  /// A stall was met by permission for one line which nobody has used yet.
+  bool wants_probe() const noexcept { return grant_; }
+  /// The line let out by a stall was answered: if it now stays quiet, all before it had been taken.
+  bool probe_was_answered() const noexcept { return probing_ && probe_answered_; }
+  bool throttled() const noexcept { return limit_ < options_.max_bytes; }
+  /// Highest number acknowledged; never falls.
+  std::uint32_t acknowledged() const noexcept { return acknowledged_; }
+  std::uint32_t next_number() const noexcept { return next_; }
+  int limit_bytes() const noexcept { return limit_; }
+  int bytes_in_flight() const noexcept { return bytes_in_flight_; }
+  std::uint64_t resend_requests() const noexcept { return resend_requests_; }
+  /// Requests for a line that had been acknowledged: a sign of a line run without its number.
+  std::uint64_t doubtful_requests() const noexcept { return doubtful_requests_; }
+  Health health() const noexcept { return health_; }
+
+ private:
+  struct Flight {
+    std::uint32_t number = 0;  ///< 0: unnumbered
+    int bytes = 0;             ///< in the receive ring, 0 once known to have left it
+  };
+
+  std::size_t framed_bytes(std::string_view payload) const noexcept;
+  bool has_room(std::size_t bytes) const noexcept;
+  void note_sent(std::uint32_t number, std::size_t bytes);
+  void acknowledge_front();
+  void acknowledge_all();
+  void rewind_to(std::uint32_t line);
+  std::string& slot(std::uint32_t number) { return history_[number % history_.size()]; }
+
+  WindowOptions options_;
+  std::vector<std::string> history_;  ///< ring of payloads by number
+  std::deque<Flight> in_flight_;
+  std::uint32_t first_kept_ = 1;
+  std::uint32_t next_ = 1;
+  std::uint32_t cursor_ = 1;
+  std::uint32_t acknowledged_ = 0;
+  int bytes_in_flight_ = 0;
+  int limit_;
+  int threshold_;  ///< up to here the limit doubles, beyond it creeps
+  bool draining_ = false;
+  bool grant_ = false;
+  bool probing_ = false;  ///< the granted line went out
+  bool probe_answered_ = false;
+  bool resent_was_in_flight_ =
+      false;                  ///< the line asked for had just been sent again: it may have been taken
+  int request_ok_due_ = 0;    ///< the ok among the next so many lines belongs to a request
+  int request_oks_seen_ = 0;  ///< learns whether this firmware says it
+  int request_oks_missed_ = 0;
+  std::uint32_t round_line_ = 0;
+  int rounds_ = 0;
+  int impossible_ = 0;
+  int stalls_ = 0;
+  std::uint64_t resend_requests_ = 0;
+  std::uint64_t doubtful_requests_ = 0;
+  Health health_ = Health::good;
+};
+
+}  // namespace voidpath::fw::marlin

@@ -1,0 +1,62 @@
+#include "firmware-io/marlin/words.h"
+
+#include <algorithm>
+#include <charconv>
+#include <iterator>
+
+namespace voidpath::fw::marlin {
+namespace {
+
+template <std::size_t N>
+bool is_m_of(std::string_view command, const int (&numbers)[N]) noexcept {
+  const Word word = first_word(command);
+  return word.letter == 'M' &&
+         std::find(std::begin(numbers), std::end(numbers), word.number) != std::end(numbers);
+}
+
+}  // namespace
+
+Word first_word(std::string_view command) noexcept {
+  Word word;
+  if (command.empty()) return word;
+  const char c = command.front();
+  if (c >= 'A' && c <= 'Z') word.letter = c;
+  if (c >= 'a' && c <= 'z') word.letter = static_cast<char>(c - 'a' + 'A');
+  if (word.letter == 0) return word;
+  int number = -1;
+  const auto result = std::from_chars(command.data() + 1, command.data() + command.size(), number);
+  if (result.ec == std::errc{}) word.number = number;
+  return word;
+}
+
+bool is_heating_wait(std::string_view command) noexcept {
+  static constexpr int kWaits[] = {109, 190, 116, 191, 192, 193};
+  return is_m_of(command, kWaits);
+}
+
+bool is_long(std::string_view command) noexcept {
+  static constexpr int kLongG[] = {4, 28, 29, 30, 32, 33, 34, 76};
+  static constexpr int kLongM[] = {0, 1, 48, 125, 226, 303, 400, 600, 701, 702};
+  const Word word = first_word(command);
+  if (word.letter == 'G')
+    return std::find(std::begin(kLongG), std::end(kLongG), word.number) != std::end(kLongG);
+  return is_heating_wait(command) || is_m_of(command, kLongM);
+}
+
+bool is_motion(std::string_view command) noexcept {
+  const Word word = first_word(command);
+  const bool moves = word.letter == 'G' && ((word.number >= 0 && word.number <= 3) || word.number == 5);
+  return moves && command.find_first_of("XYZEIJRxyzeijr", 1) != std::string_view::npos;
+}
+
+bool is_pause(std::string_view command) noexcept {
+  static constexpr int kPauses[] = {0, 1};
+  return is_m_of(command, kPauses);
+}
+
+bool is_out_of_band(std::string_view command) noexcept {
+  static constexpr int kUrgent[] = {108, 112, 410, 876};
+  return is_m_of(command, kUrgent);
+}
+
+}  // namespace voidpath::fw::marlin

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string_view>
+
+/// As much of a command's meaning as streaming needs. Pure.
+namespace voidpath::fw::marlin {
+
+struct Word {
+  char letter = 0;  ///< capital; 0 when the text begins with none
+  int number = -1;  ///< -1: none
+  bool operator==(const Word&) const = default;
+};
+
+/// The first word: G28 of "G28.1 X0".
+Word first_word(std::string_view command) noexcept;
+
+/// Blocks until a temperature is reached: M109, M190, M116, M191, M192, M193.
+bool is_heating_wait(std::string_view command) noexcept;
+/// May take minutes before its ok.
+bool is_long(std::string_view command) noexcept;
+/// Moves an axis or the filament towards a given place: G0 to G3 and G5 with an axis word. Homing is none.
+bool is_motion(std::string_view command) noexcept;
+/// M0 and M1: the host pauses instead of the firmware.
+bool is_pause(std::string_view command) noexcept;
+/// Works only at once, without a line number, ahead of what is queued: M108, M112, M410, M876.
+bool is_out_of_band(std::string_view command) noexcept;
+
+}  // namespace voidpath::fw::marlin
