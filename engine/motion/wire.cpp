@@ -1,0 +1,114 @@
+#include "engine/motion/wire.h"
+
+#include <algorithm>
+
+namespace voidpath::motion {
+namespace {
+
+constexpr double kBitsPerByte = 10;  // start, eight, stop
+/// 'N', blank, '*', newline, and a checksum that mostly has two digits.
+constexpr std::size_t kFrameBytes = 6;
+/// Lines between looks whether both planners plan alike again.
+constexpr std::size_t kJoinEvery = 8;
+
+std::size_t digits(std::size_t n) {
+  std::size_t count = 1;
+  for (; n >= 10; n /= 10) ++count;
+  return count;
+}
+
+}  // namespace
+
+SerialLine::SerialLine(double baud, int rx_bytes)
+    : byte_t_(baud > 0 ? kBitsPerByte / baud : 0),
+      window_bytes_(static_cast<std::size_t>(std::max(rx_bytes, 2)) - 1) {}
+
+double SerialLine::arrival(std::size_t bytes) {
+  double start_t = free_t_;
+  // The confirmation that makes room is the one that matters; at least one line may always go.
+  while (!pending_.empty() && in_flight_ + bytes > window_bytes_) {
+    start_t = std::max(start_t, pending_.front().confirmed_t);
+    in_flight_ -= pending_.front().bytes;
+    pending_.pop_front();
+  }
+  pending_.push_back({bytes, 0});
+  in_flight_ += bytes;
+  free_t_ = start_t + static_cast<double>(bytes) * byte_t_;
+  return free_t_;
+}
+
+void SerialLine::confirmed(double time_t) {
+  if (!pending_.empty()) pending_.back().confirmed_t = time_t;
+}
+
+std::size_t framed_bytes(std::size_t characters, std::size_t number) {
+  return characters + digits(number) + kFrameBytes;
+}
+
+WiredPlanner::WiredPlanner(const MachineLimits& limits, BlockListener* listener)
+    : wired_(limits, listener), line_(limits.baud, limits.rx_bytes) {}
+
+void WiredPlanner::receive(std::size_t characters) {
+  if (wired_.limits().baud <= 0) return;
+  const double arrival_t = line_.arrival(framed_bytes(characters, ++number_));
+  if (arrival_t <= wired_.now()) return;
+  if (!ideal_) {
+    ideal_ = wired_;
+    ideal_->set_listener(nullptr);
+  }
+  wired_.wait_until(arrival_t);
+}
+
+void WiredPlanner::confirm() {
+  if (wired_.limits().baud <= 0) return;
+  line_.confirmed(wired_.now());
+  if (ideal_ && ++since_join_ % kJoinEvery == 0) try_to_join();
+}
+
+void WiredPlanner::try_to_join() {
+  if (!wired_.plans_like(*ideal_)) return;
+  lost_t_ += wired_.now() - ideal_->now();
+  ideal_.reset();
+}
+
+double WiredPlanner::serial_limited() const {
+  const double lost_t = lost_t_ + (ideal_ ? wired_.now() - ideal_->now() : 0);
+  return std::max(0.0, lost_t);
+}
+
+void WiredPlanner::set_limits(const MachineLimits& limits) {
+  wired_.set_limits(limits);
+  if (ideal_) ideal_->set_limits(limits);
+}
+void WiredPlanner::set_flow(float ratio) {
+  wired_.set_flow(ratio);
+  if (ideal_) ideal_->set_flow(ratio);
+}
+void WiredPlanner::line_to(const Move& move) {
+  wired_.line_to(move);
+  if (ideal_) ideal_->line_to(move);
+}
+void WiredPlanner::arc_to(const Arc& arc) {
+  cut_arc(arc, wired_.limits(), [this](const Move& move, const Chord& chord) {
+    wired_.chord_to(move, chord);
+    if (ideal_) ideal_->chord_to(move, chord);
+  });
+}
+void WiredPlanner::set_position(Axis axis, float position_d) {
+  wired_.set_position(axis, position_d);
+  if (ideal_) ideal_->set_position(axis, position_d);
+}
+void WiredPlanner::reset_position(const AxisFloats& position_d) {
+  wired_.reset_position(position_d);
+  if (ideal_) ideal_->reset_position(position_d);
+}
+void WiredPlanner::finish() {
+  wired_.finish();
+  if (ideal_) ideal_->finish();
+}
+void WiredPlanner::dwell(double seconds) {
+  wired_.dwell(seconds);
+  if (ideal_) ideal_->dwell(seconds);
+}
+
+}  // namespace voidpath::motion
