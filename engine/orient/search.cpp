@@ -85,6 +85,8 @@ std::string compare(double now, double before, int decimals, const std::string& 
 
 }  // namespace
 
+}  // namespace
+
 std::string explain(const Choice& choice) {
   const Candidate& c = choice.candidates[choice.chosen];
   const Candidate& d = choice.candidates[choice.as_delivered];
@@ -173,8 +175,6 @@ constexpr MethodName kMethodNames[] = {{Method::toolpath, "toolpath"},
                                        {Method::thesis, "thesis"},
                                        {Method::ahsan, "ahsan"},
                                        {Method::as_delivered, "as-delivered"}};
-
-}  // namespace
 
 std::string to_string(Method method) {
   for (const auto& [m, name] : kMethodNames)
