@@ -1,14 +1,14 @@
 #pragma once
 
-#include <filesystem>
-#include <stdexcept>
-#include <string>
-#include <vector>
-
 #include "engine/mesh/inspect.h"
 #include "engine/mesh/repair.h"
 #include "engine/mesh/triangle_mesh.h"
 #include "engine/run/context.h"
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 namespace voidpath::mesh {
 
@@ -20,17 +20,17 @@ class ImportError : public std::runtime_error {
 };
 
 struct ImportOptions {
-  double scale = 1.0;             ///< multiplies every length after the file's own unit
-  double max_size_mm = 2000.0;    ///< larger in any axis is refused: no printer prints it, units are wrong
+  double scale = 1.0;           ///< multiplies every length after the file's own unit
+  double max_size_mm = 2000.0;  ///< larger in any axis is refused: no printer prints it, units are wrong
   std::size_t max_triangles = 20'000'000;
   std::size_t max_bytes = std::size_t{2} << 30;  ///< also the limit on what an archive may unpack to
 };
 
 struct Import {
-  TriangleMesh mesh;         ///< welded and repaired: what is oriented and sliced
-  MeshReport delivered;      ///< the file as it was, welded exactly
-  RepairReport repairs;      ///< what was changed
-  std::string format;        ///< "stl-binary", "stl-ascii", "obj", "3mf"
+  TriangleMesh mesh;               ///< welded and repaired: what is oriented and sliced
+  MeshReport delivered;            ///< the file as it was, welded exactly
+  RepairReport repairs;            ///< what was changed
+  std::string format;              ///< "stl-binary", "stl-ascii", "obj", "3mf"
   std::vector<std::string> notes;  ///< for the user: odd but harmless things met in the file
 };
 

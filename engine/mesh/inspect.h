@@ -1,8 +1,8 @@
 #pragma once
 
-#include <cstddef>
-
 #include "engine/mesh/triangle_mesh.h"
+
+#include <cstddef>
 
 namespace voidpath::mesh {
 

@@ -1,10 +1,10 @@
 #pragma once
 
+#include "engine/mesh/triangle_mesh.h"
+
 #include <cstddef>
 #include <string>
 #include <vector>
-
-#include "engine/mesh/triangle_mesh.h"
 
 namespace voidpath::mesh {
 
@@ -20,7 +20,8 @@ struct RepairReport {
   std::size_t open_edges_left = 0;
   bool changed() const {
     return vertices_merged + degenerate_removed + duplicates_removed + faces_flipped + shells_inverted +
-               triangles_added > 0;
+               triangles_added >
+           0;
   }
   /// One short sentence a thing, for the user.
   std::vector<std::string> sentences() const;

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <filesystem>
-
 #include "engine/mesh/triangle_mesh.h"
+
+#include <filesystem>
 
 namespace voidpath::mesh {
 

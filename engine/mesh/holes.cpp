@@ -1,0 +1,106 @@
+#include "engine/mesh/holes.h"
+
+#include "engine/mesh/edges.h"
+#include "engine/mesh/triangulate.h"
+
+#include <algorithm>
+#include <unordered_map>
+
+namespace voidpath::mesh {
+
+namespace {
+
+/// Area of the lids over area of the shell above which the shell is a sheet: closing it would invent a
+/// part. A flat sheet has 1, a hemisphere without base 0.5, a box without one side 0.2.
+constexpr double kMaxLidShare = 0.8;
+/// Rings longer than this are closed from their centre: a quadratic search would take too long.
+constexpr std::size_t kMaxRing = 5000;
+
+using Ring = std::vector<std::uint32_t>;
+
+/// The open sides, walked against their facets' sense, cut into rings that pass no vertex twice.
+/// Sides that lead nowhere are left out.
+std::vector<Ring> open_rings(const TriangleMesh& mesh, const std::vector<std::uint32_t>& slots) {
+  std::unordered_multimap<std::uint32_t, std::uint32_t> next;
+  for (const std::uint32_t slot : slots) next.emplace(edge_end(mesh, slot), edge_begin(mesh, slot));
+  std::vector<Ring> rings;
+  std::unordered_map<std::uint32_t, std::size_t> at;  // vertex to its place in the path
+  Ring path;
+  for (const std::uint32_t slot : slots) {
+    path.clear();
+    at.clear();
+    std::uint32_t v = edge_end(mesh, slot);
+    for (;;) {
+      const auto seen = at.find(v);
+      if (seen != at.end()) {
+        const std::size_t from = seen->second;
+        if (path.size() - from >= 3)
+          rings.emplace_back(path.begin() + static_cast<std::ptrdiff_t>(from), path.end());
+        for (std::size_t i = from; i < path.size(); ++i) at.erase(path[i]);
+        path.resize(from);
+      }
+      const auto way = next.find(v);
+      if (way == next.end()) break;
+      at[v] = path.size();
+      path.push_back(v);
+      v = way->second;
+      next.erase(way);
+    }
+  }
+  return rings;
+}
+
+std::vector<Vec3> points_of(const TriangleMesh& mesh, const Ring& ring) {
+  std::vector<Vec3> points;
+  points.reserve(ring.size());
+  for (const std::uint32_t v : ring) points.push_back(mesh.vertices[v]);
+  return points;
+}
+
+void fill(TriangleMesh& mesh, const Ring& ring, HoleReport& report) {
+  const std::vector<Vec3> points = points_of(mesh, ring);
+  const std::size_t before = mesh.triangles.size();
+  if (ring.size() > kMaxRing) {
+    Vec3 centre = Vec3::Zero();
+    for (const Vec3& p : points) centre += p;
+    const auto c = static_cast<std::uint32_t>(mesh.vertices.size());
+    mesh.vertices.push_back(centre / static_cast<double>(points.size()));
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      mesh.triangles.push_back({ring[i], ring[(i + 1) % ring.size()], c});
+    }
+  } else {
+    std::vector<Triangle> lid;
+    triangulate(points, lid);
+    for (const Triangle& t : lid) mesh.triangles.push_back({ring[t[0]], ring[t[1]], ring[t[2]]});
+  }
+  ++report.holes_filled;
+  report.triangles_added += mesh.triangles.size() - before;
+}
+
+}  // namespace
+
+HoleReport fill_holes(TriangleMesh& mesh) {
+  HoleReport report;
+  const EdgeTable edges(mesh);
+  const std::vector<std::uint32_t> slots = edges.open_slots();
+  if (slots.empty()) return report;
+  UnionFind shells(mesh.vertices.size());
+  for (const Triangle& t : mesh.triangles) {
+    shells.unite(t[0], t[1]);
+    shells.unite(t[0], t[2]);
+  }
+  std::vector<double> shell_area(mesh.vertices.size(), 0), lid_area(mesh.vertices.size(), 0);
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3& a = mesh.vertices[t[0]];
+    shell_area[shells.find(t[0])] += (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).norm();
+  }
+  const std::vector<Ring> rings = open_rings(mesh, slots);
+  for (const Ring& r : rings) lid_area[shells.find(r[0])] += ring_vector_area(points_of(mesh, r)).norm();
+  for (const Ring& r : rings) {
+    const std::uint32_t shell = shells.find(r[0]);
+    if (lid_area[shell] <= kMaxLidShare * shell_area[shell]) fill(mesh, r, report);
+  }
+  return report;
+}
+
+}  // namespace voidpath::mesh

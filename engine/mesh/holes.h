@@ -1,0 +1,18 @@
+#pragma once
+
+#include "engine/mesh/triangle_mesh.h"
+
+#include <cstddef>
+
+namespace voidpath::mesh {
+
+struct HoleReport {
+  std::size_t holes_filled = 0;
+  std::size_t triangles_added = 0;
+};
+
+/// Closes rings of open sides with facets, where their shell is more than an open sheet. The facets of a
+/// shell must agree.
+HoleReport fill_holes(TriangleMesh& mesh);
+
+}  // namespace voidpath::mesh
