@@ -85,8 +85,6 @@ std::string compare(double now, double before, int decimals, const std::string& 
 
 }  // namespace
 
-}  // namespace
-
 std::string explain(const Choice& choice) {
   const Candidate& c = choice.candidates[choice.chosen];
   const Candidate& d = choice.candidates[choice.as_delivered];
