@@ -1,0 +1,437 @@
+// What the firmware's commands do. Each handler fills `tasks_`; the loop works them off and then says ok.
+
+#include "tests/mock_printer/mock_marlin.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace voidpath::test::mock {
+namespace {
+
+constexpr double kSecondsPerMinute = 60;
+
+/// Commands that ask and do not carry a print on.
+bool is_poll(const Command& c) {
+  if (c.letter() != 'M') return false;
+  switch (c.code()) {
+    case 27:
+    case 31:
+    case 73:
+    case 105:
+    case 110:
+    case 113:
+    case 114:
+    case 115:
+    case 117:
+    case 118:
+    case 119:
+    case 155:
+      return true;
+    default:
+      return false;
+  }
+}
+
+}  // namespace
+
+void MockMarlin::execute(const Command& command) {
+  if (!is_poll(command)) ++progress_;
+  if (execute_motion(command) || execute_heat(command) || execute_settings(command) || execute_host(command))
+    return;
+  ++totals_.unknown;
+  write_line("echo:Unknown command: \"" + command.text() + "\"");
+}
+
+bool MockMarlin::execute_motion(const Command& c) {
+  if (c.letter() == 'T') return true;
+  if (c.letter() != 'G') {
+    if (c.is('M', 400)) {
+      after_drain({});
+      return true;
+    }
+    if (c.is('M', 410)) {
+      motion_.quick_stop(now_);
+      position_ = motion_.planner().position();
+      return true;
+    }
+    return false;
+  }
+  switch (c.code()) {
+    case 0:
+    case 1:
+      move(c);
+      return true;
+    case 2:
+      arc(c, true);
+      return true;
+    case 3:
+      arc(c, false);
+      return true;
+    case 4:
+      after_drain({});
+      tasks_.push_back({.kind = Task::Kind::kDwell,
+                        .seconds = c.has('S') ? c.value_or('S', 0) : c.value_or('P', 0) / 1000,
+                        .account = &totals_.dwell_s});
+      return true;
+    case 17:
+    case 18:
+    case 19:
+    case 21:
+      return true;
+    case 28:
+      home(c);
+      return true;
+    case 29:
+      after_drain({});
+      tasks_.push_back({.kind = Task::Kind::kDwell, .seconds = options_.leveling_s});
+      return true;
+    case 90:
+      relative_ = relative_e_ = false;
+      return true;
+    case 91:
+      relative_ = relative_e_ = true;
+      return true;
+    case 92:
+      set_position(c);
+      return true;
+    default:
+      return false;
+  }
+}
+
+Axes MockMarlin::target_of(const Command& c) {
+  Axes target = position_;
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    const auto v = c.value(kAxisLetters[i]);
+    if (!v) continue;
+    const bool relative = i == kE ? relative_e_ : relative_;
+    target[i] = relative ? position_[i] + *v : *v;
+  }
+  if (const auto f = c.value('F'); f && *f > 0) feed_ = *f / kSecondsPerMinute;
+  return target;
+}
+
+void MockMarlin::queue_move(Axes target) { tasks_.push_back({.kind = Task::Kind::kMove, .target = target}); }
+
+void MockMarlin::move(const Command& c) {
+  const Axes target = target_of(c);
+  hotend_.heater().update(now_);
+  if (target[kE] != position_[kE] && !cold_allowed_ &&
+      hotend().temperature() < options_.min_extrusion_temperature) {
+    write_line("echo: cold extrusion prevented");
+    position_[kE] = target[kE];
+    motion_.set_e_position(position_[kE]);
+  }
+  segment_feed_ = feed_mm_s();
+  position_ = target;
+  queue_move(target);
+}
+
+/// G2 and G3 as chords, in the XY plane; Z and E in proportion to the angle.
+void MockMarlin::arc(const Command& c, bool clockwise) {
+  const Axes from = position_;
+  const Axes to = target_of(c);
+  double i = c.value_or('I', 0), j = c.value_or('J', 0);
+  if (const auto r = c.value('R')) {
+    const double dx = to[kX] - from[kX], dy = to[kY] - from[kY], d = std::hypot(dx, dy);
+    const double inside = *r * *r - d * d / 4;
+    if (d == 0 || inside < 0) return;
+    const double h = std::sqrt(inside) * (clockwise == (*r > 0) ? -1 : 1);
+    i = dx / 2 - h * dy / d;
+    j = dy / 2 + h * dx / d;
+  }
+  const double radius = std::hypot(i, j);
+  if (radius == 0) {
+    write_line("echo:Bad arc");
+    return;
+  }
+  constexpr double kTurn = 2 * std::numbers::pi;
+  const double start = std::atan2(-j, -i);
+  double sweep = std::atan2(to[kY] - from[kY] - j, to[kX] - from[kX] - i) - start;
+  if (clockwise && sweep >= 0) sweep -= kTurn;
+  if (!clockwise && sweep <= 0) sweep += kTurn;
+  // Chords of at most 1 mm, at least 72 to a full turn, none shorter than 0.1 mm.
+  constexpr double kLongest = 1.0, kShortest = 0.1, kPerTurn = 72;
+  const double length = std::abs(sweep) * radius;
+  const double wanted = std::max(length / kLongest, kPerTurn * std::abs(sweep) / kTurn);
+  const int count = std::max(1, static_cast<int>(std::ceil(std::min(wanted, length / kShortest))));
+  segment_feed_ = feed_mm_s();
+  for (int n = 1; n < count; ++n) {
+    const double share = static_cast<double>(n) / count;
+    const double angle = start + sweep * share;
+    Axes p;
+    for (std::size_t a = 0; a < kAxes; ++a) p[a] = from[a] + (to[a] - from[a]) * share;
+    p[kX] = from[kX] + i + radius * std::cos(angle);
+    p[kY] = from[kY] + j + radius * std::sin(angle);
+    queue_move(p);
+  }
+  queue_move(to);
+  position_ = to;
+}
+
+void MockMarlin::home(const Command& c) {
+  const bool all = !c.has('X') && !c.has('Y') && !c.has('Z');
+  double seconds = 0;
+  std::array<bool, 3> homed{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    homed[i] = all || c.has(kAxisLetters[i]);
+    if (!homed[i]) continue;
+    const double speed = std::min(options_.homing_speed_mm_s, motion_.settings().max_speed[i]);
+    constexpr double kBumps = 1.0;  // the second, slow approach, s
+    seconds += std::abs(position_[i]) / speed + kBumps;
+  }
+  after_drain({});
+  tasks_.push_back({.kind = Task::Kind::kDwell, .seconds = seconds, .account = &totals_.homing_s});
+  tasks_.push_back({.kind = Task::Kind::kCall, .action = [this, homed] {
+                      for (std::size_t i = 0; i < 3; ++i)
+                        if (homed[i]) position_[i] = 0;
+                      motion_.set_position(position_);
+                      motion_.align_steps();
+                      report_position();
+                    }});
+}
+
+void MockMarlin::set_position(const Command& c) {
+  bool xyz = false, any = false;
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    const auto v = c.value(kAxisLetters[i]);
+    if (!v) continue;
+    any = true;
+    xyz = xyz || i != kE;
+    position_[i] = *v;
+  }
+  if (!any) {
+    position_ = {};
+    xyz = true;
+  }
+  if (xyz)
+    motion_.set_position(position_);
+  else
+    motion_.set_e_position(position_[kE]);
+  report_position();
+}
+
+void MockMarlin::after_drain(std::function<void()> action) {
+  tasks_.push_back({.kind = Task::Kind::kDrained});
+  if (action) tasks_.push_back({.kind = Task::Kind::kCall, .action = std::move(action)});
+}
+
+bool MockMarlin::execute_heat(const Command& c) {
+  if (c.letter() != 'M') return false;
+  switch (c.code()) {
+    case 104:
+      if (const auto s = c.value('S')) hotend_.set_target(now_, *s);
+      return true;
+    case 140:
+      if (const auto s = c.value('S')) bed_.set_target(now_, *s);
+      return true;
+    case 109:
+      wait_heat(c, false);
+      return true;
+    case 190:
+      wait_heat(c, true);
+      return true;
+    case 105:
+      hotend_.heater().update(now_);
+      bed_.heater().update(now_);
+      ok_tail_ = " " + temperatures();
+      return true;
+    case 106:
+      fan_ = std::clamp(c.value_or('S', 255), 0.0, 255.0);
+      return true;
+    case 107:
+      fan_ = 0;
+      return true;
+    case 108:
+      return true;  // took effect when it was read
+    case 155:
+      report_interval_ = options_.dialect.autoreport ? c.value_or('S', 0) : 0;
+      next_report_ = now_ + report_interval_;
+      return options_.dialect.autoreport;
+    case 302:
+      if (const auto p = c.value('P')) cold_allowed_ = *p != 0;
+      if (const auto s = c.value('S')) {
+        options_.min_extrusion_temperature = *s;
+        cold_allowed_ = *s == 0;
+      }
+      return true;
+    default:
+      return false;
+  }
+}
+
+void MockMarlin::wait_heat(const Command& c, bool bed) {
+  const auto target = c.has('R') ? c.value('R') : c.value('S');
+  if (target) (bed ? bed_ : hotend_).set_target(now_, *target);
+  // The blocks before it run out first only on the host's word (M400); heating does not wait for motion.
+  heat_wait_ = true;
+  tasks_.push_back({.kind = Task::Kind::kHeat, .heat = HeatWait(bed, c.has('R'))});
+}
+
+bool MockMarlin::execute_settings(const Command& c) {
+  if (c.letter() != 'M') return false;
+  MotionSettings& s = motion_.settings();
+  const auto axes = [&](Axes& values) {
+    for (std::size_t i = 0; i < kAxes; ++i)
+      if (const auto v = c.value(kAxisLetters[i])) values[i] = *v;
+  };
+  switch (c.code()) {
+    case 82:
+      relative_e_ = false;
+      return true;
+    case 83:
+      relative_e_ = true;
+      return true;
+    case 92:
+      axes(s.steps_per_mm);
+      return true;
+    case 201:
+      axes(s.max_acceleration);
+      return true;
+    case 203:
+      axes(s.max_speed);
+      return true;
+    case 204:
+      if (const auto v = c.value('S')) s.travel_acceleration = s.print_acceleration = *v;
+      if (const auto v = c.value('P')) s.print_acceleration = *v;
+      if (const auto v = c.value('R')) s.retract_acceleration = *v;
+      if (const auto v = c.value('T')) s.travel_acceleration = *v;
+      return true;
+    case 205:
+      if (const auto v = c.value('B')) s.min_segment_time_s = *v * 1e-6;
+      if (const auto v = c.value('S')) s.min_speed = *v;
+      if (const auto v = c.value('T')) s.min_travel_speed = *v;
+      if (const auto v = c.value('J')) {
+        constexpr double kLeast = 0.01, kMost = 0.3;
+        if (*v >= kLeast && *v <= kMost)
+          s.junction_deviation = *v;
+        else
+          write_line("Error:?J out of range (0.01 to 0.3)");
+      }
+      if (s.classic_jerk) axes(s.jerk);
+      return true;
+    case 220:
+      if (const auto v = c.value('S')) feed_factor_ = *v / 100;
+      return true;
+    case 221:
+      if (const auto v = c.value('S')) flow_ = *v / 100;
+      return true;
+    case 503:
+      report_settings();
+      return true;
+    default:
+      return false;
+  }
+}
+
+bool MockMarlin::execute_host(const Command& c) {
+  if (c.letter() != 'M') return false;
+  switch (c.code()) {
+    case 0:
+    case 1:
+      pause_for_user("");
+      return true;
+    case 600:
+      pause_for_user("paused");
+      return true;
+    case 17:
+    case 31:
+    case 73:
+    case 75:
+    case 76:
+    case 77:
+    case 78:
+    case 117:
+    case 300:
+    case 999:
+      return true;
+    case 18:
+    case 84:
+      after_drain({});
+      return true;
+    case 110:
+      if (const auto n = c.value('N')) protocol_.set_last_number(static_cast<std::int64_t>(*n));
+      return true;
+    case 112:
+      halt_with("echo:M112 Shutdown\n");
+      return true;
+    case 113:
+      if (const auto v = c.value('S')) {
+        busy_interval_ = *v;
+        next_busy_ = now_ + busy_interval_;
+      } else {
+        write_line("echo:M113 S" + fixed(busy_interval_, 0));
+      }
+      return true;
+    case 114:
+      report_position();
+      return true;
+    case 115:
+      write(options_.dialect.identity);
+      return true;
+    case 118:
+      write_line((c.has('E') ? "echo:" : "") + std::string(c.argument()));
+      return true;
+    case 119:
+      write("Reporting endstop status\nx_min: open\ny_min: open\nz_min: open\n");
+      return true;
+    case 876:
+      user_wait_ = false;
+      return true;
+    default:
+      return false;
+  }
+}
+
+void MockMarlin::pause_for_user(std::string_view action) {
+  after_drain([this, paused = std::string(action)] {
+    user_wait_ = true;
+    if (!paused.empty()) write_line("//action:" + paused);
+    write(
+        "//action:prompt_end\n//action:prompt_begin Paused\n//action:prompt_button Continue\n"
+        "//action:prompt_show\n");
+  });
+  tasks_.push_back({.kind = Task::Kind::kUser});
+  if (!action.empty())
+    tasks_.push_back({.kind = Task::Kind::kCall, .action = [this] { write_line("//action:resumed"); }});
+}
+
+void MockMarlin::report_position() {
+  std::string line;
+  for (std::size_t i = 0; i < kAxes; ++i)
+    line += std::string(i ? " " : "") + kAxisLetters[i] + ":" + fixed(position_[i], 2);
+  line += " Count";
+  const auto steps = motion_.steps_at(now_);
+  for (std::size_t i = 0; i < 3; ++i) line += std::string(" ") + kAxisLetters[i] + ":" + fixed(steps[i], 0);
+  write_line(line);
+}
+
+void MockMarlin::report_settings() {
+  const MotionSettings& s = motion_.settings();
+  const auto axes = [](const char* name, const Axes& values) {
+    std::string line = std::string("echo:  ") + name;
+    for (std::size_t i = 0; i < kAxes; ++i) line += std::string(" ") + kAxisLetters[i] + fixed(values[i], 2);
+    return line;
+  };
+  write_line("echo:; Steps per unit:");
+  write_line(axes("M92", s.steps_per_mm));
+  write_line("echo:; Max feedrates (units/s):");
+  write_line(axes("M203", s.max_speed));
+  write_line("echo:; Max Acceleration (units/s2):");
+  write_line(axes("M201", s.max_acceleration));
+  write_line("echo:; Acceleration (units/s2) (P<print-accel> R<retract-accel> T<travel-accel>):");
+  write_line("echo:  M204 P" + fixed(s.print_acceleration, 2) + " R" + fixed(s.retract_acceleration, 2) +
+             " T" + fixed(s.travel_acceleration, 2));
+  std::string advanced = "echo:  M205 B" + fixed(s.min_segment_time_s * 1e6, 2) + " S" +
+                         fixed(s.min_speed, 2) + " T" + fixed(s.min_travel_speed, 2);
+  if (s.classic_jerk)
+    for (std::size_t i = 0; i < kAxes; ++i)
+      advanced += std::string(" ") + kAxisLetters[i] + fixed(s.jerk[i], 2);
+  else
+    advanced += " J" + fixed(s.junction_deviation, 2);
+  write_line("echo:; Advanced (B<min_segment_time_us> S<min_feedrate> T<min_travel_feedrate>):");
+  write_line(advanced);
+}
+
+}  // namespace voidpath::test::mock

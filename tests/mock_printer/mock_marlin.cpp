@@ -1,0 +1,476 @@
+#include "tests/mock_printer/mock_marlin.h"
+
+#include <algorithm>
+#include <charconv>
+
+namespace voidpath::test::mock {
+namespace {
+
+constexpr HeaterGuard kHotendGuard{40, 2, 40, 4};
+constexpr HeaterGuard kBedGuard{60, 2, 20, 2};
+
+}  // namespace
+
+std::string fixed(double value, int decimals) {
+  char text[64];
+  const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::fixed, decimals).ptr;
+  std::string result(text, end);
+  // A rounded-off negative is zero.
+  if (result.front() == '-' && result.find_first_not_of("-0.") == result.npos) result.erase(0, 1);
+  return result;
+}
+
+MockMarlin::MockMarlin(const Options& options)
+    : options_(options),
+      wire_in_(options.baud, options.round_trip_s / 2),
+      wire_out_(options.baud, options.round_trip_s / 2),
+      ring_(options.rx_buffer),
+      protocol_(options.dialect, options.parenthesis_comments),
+      faults_(options.faults, options.seed),
+      motion_(options.motion, options.block_buffer),
+      hotend_("E0", options.hotend, kHotendGuard),
+      bed_("bed", options.bed, kBedGuard) {
+  reset();
+  totals_.resets = 0;
+  fire_due();
+}
+
+void MockMarlin::reset() {
+  ++totals_.resets;
+  motion_.quick_stop(now_);
+  motion_.settings() = options_.motion;
+  hotend_.set_target(now_, 0);
+  bed_.set_target(now_, 0);
+  ring_.clear();
+  protocol_.reset();
+  queue_.clear();
+  tasks_.clear();
+  executing_ = halted_ = user_wait_ = heat_wait_ = false;
+  relative_ = relative_e_ = false;
+  feed_ = 25;
+  feed_factor_ = flow_ = 1;
+  fan_ = 0;
+  position_ = {};
+  motion_.set_position(position_);
+  cold_allowed_ = options_.cold_extrusion;
+  report_interval_ = 0;
+  busy_interval_ = options_.busy_interval_s;
+  silent_until_ = -1;
+  slow_commands_ = 0;
+  emergency_line_.clear();
+  boot_until_ = now_ + options_.boot_s;
+  next_second_ = next_wait_ = boot_until_ + 1;
+  write("start\n");
+  write(options_.dialect.banner);
+}
+
+std::optional<double> MockMarlin::take_unplug() {
+  const auto seconds = unplug_;
+  unplug_.reset();
+  return seconds;
+}
+
+void MockMarlin::feed(std::string_view bytes) {
+  if (options_.baud > 0 || options_.round_trip_s > 0) {
+    wire_in_.send(now_, bytes);
+    return;
+  }
+  for (const char byte : bytes) receive(byte);
+  process();
+}
+
+/// A byte reaches the receive buffer. The firmware's loop is fast: it takes what it can before bytes are
+/// lost.
+void MockMarlin::receive(char byte) {
+  std::string arrived;
+  if (faults_.none())
+    arrived = byte;
+  else
+    faults_.pass_byte(byte, false, arrived);
+  for (const char c : arrived) {
+    if (now_ < boot_until_) {
+      ++totals_.bytes_dropped;
+      continue;
+    }
+    if (options_.emergency_parser) {
+      if (c == '\n' || c == '\r') {
+        emergency(command_text(emergency_line_));
+        emergency_line_.clear();
+      } else if (emergency_line_.size() < kMaxCommandSize) {
+        emergency_line_ += c;
+      }
+    }
+    if (ring_.full()) process();
+    if (!ring_.push(c)) ++totals_.bytes_dropped;
+  }
+}
+
+double MockMarlin::next_event() const {
+  double next =
+      std::min({wire_in_.next(), wire_out_.next_complete(), motion_.next_event(), faults_.next_time()});
+  if (now_ < boot_until_) next = std::min(next, boot_until_);
+  if (halted_) return next;
+  if (silent_until_ > now_) return std::min(next, silent_until_);
+  if (executing_) {
+    if (task_until_ >= 0) next = std::min(next, task_until_);
+    if (options_.dialect.busy && busy_interval_ > 0) next = std::min(next, next_busy_);
+  }
+  if (report_interval_ > 0) next = std::min(next, next_report_);
+  if (hotend().target() > 0 || bed().target() > 0) next = std::min(next, next_second_);
+  if (options_.dialect.wait_when_idle && queue_.empty()) next = std::min(next, next_wait_);
+  return next;
+}
+
+void MockMarlin::advance_to(double time) {
+  for (;;) {
+    const double next = next_event();
+    if (next > time) break;
+    now_ = std::max(now_, next);
+    fire_due();
+  }
+  now_ = std::max(now_, time);
+}
+
+/// All that is due at `now_`.
+void MockMarlin::fire_due() {
+  while (!wire_in_.empty() && wire_in_.next() <= now_) receive(wire_in_.pop());
+  for (const Fault& fault : faults_.at_time(now_)) apply(fault);
+  motion_.update(now_);
+  if (!halted_ && now_ >= boot_until_ && now_ >= silent_until_) {
+    tick_second();
+    process();
+    if (executing_ && options_.dialect.busy && busy_interval_ > 0 && now_ >= next_busy_) {
+      write_line(user_wait_ ? "echo:busy: paused for user" : "echo:busy: processing");
+      next_busy_ = now_ + busy_interval_;
+    }
+    if (report_interval_ > 0 && now_ >= next_report_) {
+      write_line(" " + temperatures());
+      next_report_ += report_interval_;
+      if (next_report_ <= now_) next_report_ = now_ + report_interval_;
+    }
+    if (options_.dialect.wait_when_idle && queue_.empty() && now_ >= next_wait_) {
+      write_line("wait");
+      next_wait_ = now_ + 1;
+    }
+  }
+  while (!wire_out_.empty() && wire_out_.next() <= now_) ready_out_ += wire_out_.pop();
+}
+
+/// The guards over the heaters look once a second.
+void MockMarlin::tick_second() {
+  if (now_ < next_second_) return;
+  next_second_ = now_ + 1;
+  for (GuardedHeater* heater : {&hotend_, &bed_})
+    if (const auto fault = heater->check(now_)) {
+      kill(*fault, heater->id());
+      return;
+    }
+}
+
+void MockMarlin::process() {
+  for (;;) {
+    if (halted_ || now_ < boot_until_ || now_ < silent_until_) return;
+    motion_.update(now_);
+    read_lines();
+    if (halted_ || now_ < silent_until_) return;
+    if (!executing_) {
+      if (queue_.empty()) return;
+      begin_command();
+      if (halted_) return;
+    }
+    if (!resume()) {
+      motion_.update(now_);
+      return;
+    }
+    finish_command();
+  }
+}
+
+void MockMarlin::read_lines() {
+  while (!ring_.empty() && queue_.size() < options_.queue && !halted_ && now_ >= silent_until_) {
+    const char byte = ring_.pop();
+    if (byte == '\n' || byte == '\r')
+      handle_line_end(byte);
+    else if (auto result = protocol_.take(byte))
+      handle_result(*result);
+  }
+}
+
+void MockMarlin::handle_line_end(char byte) {
+  bool again = false;
+  const std::string raw = protocol_.partial();
+  if (!raw.empty()) {
+    ++totals_.lines;
+    if (!faults_.none()) {
+      for (const Fault& fault : faults_.at_line()) {
+        if (fault.kind == FaultKind::kDropLine) {
+          protocol_.drop_partial();
+        } else if (fault.kind == FaultKind::kGarbleLine) {
+          std::string& line = protocol_.partial();
+          if (!line.empty()) {
+            char& hit = line[faults_.pick(line.size())];
+            hit = static_cast<char>(hit ^ (1 << faults_.pick(7)));
+          }
+        } else if (fault.kind == FaultKind::kDoubleLine) {
+          again = true;
+        } else if (fault.kind == FaultKind::kSpuriousResend) {
+          refuse({options_.dialect.wrong_checksum + std::to_string(protocol_.last_number()),
+                  protocol_.last_number() + 1});
+          return;
+        } else {
+          apply(fault);
+          if (halted_ || now_ < boot_until_ || protocol_.partial().empty()) return;
+        }
+      }
+    }
+  }
+  if (auto result = protocol_.take(byte)) handle_result(*result);
+  if (!again) return;
+  for (const char c : raw) protocol_.take(c);
+  if (auto result = protocol_.take(byte)) handle_result(*result);
+}
+
+void MockMarlin::handle_result(const LineResult& result) {
+  if (const auto* refused = std::get_if<RefusedLine>(&result)) {
+    refuse(*refused);
+  } else if (const auto* ignored = std::get_if<IgnoredLine>(&result)) {
+    if (ignored->blank && options_.dialect.blank_ok) send_ok("");
+  } else {
+    const auto& accepted = std::get<AcceptedLine>(result);
+    // Without an emergency parser these act when they are read, if they came without a number.
+    if (!options_.emergency_parser && !accepted.number) emergency(accepted.text);
+    if (halted_) return;
+    queue_.push_back({accepted.text, accepted.number});
+    if (options_.dialect.ok_at_enqueue) send_ok("");
+  }
+}
+
+void MockMarlin::emergency(std::string_view line) {
+  const Command command(line);
+  if (command.is('M', 112)) {
+    if (log_) log_(command.text());
+    halt_with("echo:M112 Shutdown\n");
+  } else if (command.is('M', 108)) {
+    heat_wait_ = user_wait_ = false;
+  } else if (command.is('M', 410)) {
+    motion_.quick_stop(now_);
+    position_ = motion_.planner().position();
+  }
+}
+
+void MockMarlin::refuse(const RefusedLine& refused) {
+  ++totals_.resends;
+  ring_.clear();
+  protocol_.drop_partial();
+  write_line(options_.dialect.error_prefix + refused.error);
+  write_line(options_.dialect.resend_prefix + std::to_string(refused.resend));
+  if (options_.dialect.resend_ok && !faults_.resend_lacks_ok()) send_ok("");
+}
+
+void MockMarlin::begin_command() {
+  executing_ = true;
+  plain_ok_ = true;
+  ok_tail_.clear();
+  tasks_.clear();
+  task_ = 0;
+  task_until_ = -1;
+  next_busy_ = now_ + busy_interval_;
+  if (slow_commands_ > 0) {
+    --slow_commands_;
+    tasks_.push_back({.kind = Task::Kind::kDwell, .seconds = slow_s_});
+  }
+  const Command command(queue_.front().text);
+  ++totals_.commands;
+  if (log_) log_(command.text());
+  execute(command);
+}
+
+bool MockMarlin::resume() {
+  for (; task_ < tasks_.size(); ++task_) {
+    if (!task_done(tasks_[task_])) return false;
+    task_until_ = -1;
+  }
+  return true;
+}
+
+bool MockMarlin::task_done(Task& task) {
+  switch (task.kind) {
+    case Task::Kind::kMove:
+      if (motion_.full()) return false;
+      motion_.add_move(now_, task.target, segment_feed_, flow_);
+      motion_.update(now_);
+      return true;
+    case Task::Kind::kDrained:
+      return motion_.drained();
+    case Task::Kind::kDwell:
+      if (task_until_ < 0) {
+        task_until_ = now_ + task.seconds;
+        if (task.account != nullptr) *task.account += task.seconds;
+      }
+      return now_ >= task_until_;
+    case Task::Kind::kHeat: {
+      Heater& heater = task.heat->bed() ? bed_.heater() : hotend_.heater();
+      heater.update(now_);
+      if (!heat_wait_ || task.heat->over(now_, heater)) {
+        heat_wait_ = false;
+        return true;
+      }
+      if (now_ >= task_until_) {
+        if (task_until_ >= 0) {
+          write_line(" " + temperatures() + task.heat->countdown(now_));
+          totals_.heating_s += 1;
+        }
+        task_until_ = now_ + 1;
+      }
+      task_until_ = std::min(task_until_, task.heat->done_at());
+      return false;
+    }
+    case Task::Kind::kUser:
+      return !user_wait_;
+    case Task::Kind::kCall:
+      if (task.action) task.action();
+      return true;
+  }
+  return true;
+}
+
+void MockMarlin::finish_command() {
+  executing_ = false;
+  task_until_ = -1;
+  if (plain_ok_ && !options_.dialect.ok_at_enqueue) {
+    const auto number = queue_.front().number;
+    queue_.pop_front();
+    if (ok_tail_.empty() && options_.advanced_ok)
+      send_ok((number ? " N" + std::to_string(*number) : std::string()) + free_slots());
+    else
+      send_ok(ok_tail_);
+  } else {
+    queue_.pop_front();
+  }
+  next_wait_ = now_ + 1;
+}
+
+/// As the firmware counts: the command whose ok this is still holds its place.
+std::string MockMarlin::free_slots() const {
+  const std::size_t used = std::min(options_.queue, queue_.size() + 1);
+  return " P" + std::to_string(motion_.planner().free()) + " B" + std::to_string(options_.queue - used);
+}
+
+void MockMarlin::send_ok(std::string_view tail) {
+  std::string line = "ok";
+  line += tail;
+  int times = 1;
+  if (!faults_.none()) {
+    for (const Fault& fault : faults_.at_ok()) {
+      if (fault.kind == FaultKind::kLoseOk) times = 0;
+      if (fault.kind == FaultKind::kDoubleOk) times = 2;
+      if (fault.kind == FaultKind::kGarbleOk) line[0] = static_cast<char>(line[0] ^ (1 << faults_.pick(5)));
+      if (natural_trigger(fault.kind) == FaultTrigger::kLine) apply(fault);
+    }
+  }
+  while (times-- > 0) write_line(line);
+}
+
+void MockMarlin::write_line(std::string_view text) { write(std::string(text) + '\n'); }
+
+void MockMarlin::write(std::string_view text) {
+  std::string damaged;
+  if (!faults_.none()) {
+    for (const char c : text) faults_.pass_byte(c, true, damaged);
+    text = damaged;
+  }
+  if (options_.baud > 0 || options_.round_trip_s > 0)
+    wire_out_.send(now_, text);
+  else
+    ready_out_ += text;
+}
+
+std::string MockMarlin::take_output() {
+  std::string result;
+  result.swap(ready_out_);
+  return result;
+}
+
+std::string MockMarlin::temperatures() const {
+  const auto one = [&](const char* name, const GuardedHeater& heater) {
+    Heater present = heater.heater();
+    present.update(now_);
+    return name + fixed(present.temperature(), 2) + " /" + fixed(present.target(), 2);
+  };
+  return one("T:", hotend_) + " " + one("B:", bed_) + " @:" + std::to_string(hotend().power()) +
+         " B@:" + std::to_string(bed().power());
+}
+
+bool MockMarlin::waits_for_host() const {
+  return !halted_ && now_ >= boot_until_ && now_ >= silent_until_ && queue_.empty() && ring_.empty() &&
+         wire_in_.empty() && wire_out_.empty() && !motion_.full();
+}
+
+void MockMarlin::apply(const Fault& fault) {
+  switch (fault.kind) {
+    case FaultKind::kReset:
+      reset();
+      break;
+    case FaultKind::kHalt:
+      kill(fault.text, fault.heater == "bed" ? "bed" : "E0");
+      break;
+    case FaultKind::kUnplug:
+      unplug_ = fault.seconds;
+      break;
+    case FaultKind::kSilence:
+      silent_until_ = now_ + fault.seconds;
+      break;
+    case FaultKind::kSlow:
+      slow_s_ = fault.seconds;
+      slow_commands_ = fault.lines;
+      break;
+    case FaultKind::kDeadHeater:
+      (fault.heater == "bed" ? bed_ : hotend_).heater().break_element();
+      break;
+    case FaultKind::kPause:
+      queue_.push_back({"M600", std::nullopt});
+      break;
+    default:
+      break;
+  }
+}
+
+void MockMarlin::kill(std::string_view reason, std::string_view heater) {
+  halt_with("Error:" + std::string(reason) + ", system stopped! Heater_ID: " + std::string(heater) +
+            "\n\necho:" + std::string(reason) + "\n");
+}
+
+void MockMarlin::halt_with(std::string_view first_line) {
+  halted_ = true;
+  hotend_.set_target(now_, 0);
+  bed_.set_target(now_, 0);
+  fan_ = 0;
+  motion_.quick_stop(now_);
+  queue_.clear();
+  ring_.clear();
+  executing_ = false;
+  write(first_line);
+  write(options_.dialect.halted);
+  write(options_.dialect.power_off);
+}
+
+Statistics MockMarlin::statistics() const {
+  Statistics s = totals_;
+  s.faults = faults_.fired();
+  s.motion_s = motion_.moving_seconds();
+  s.span_s = motion_.first_start() < 0 ? 0 : motion_.last_end() - motion_.first_start();
+  s.blocks = motion_.blocks();
+  s.clock_s = now_;
+  s.hotend_target = hotend().target();
+  s.bed_target = bed().target();
+  Heater h = hotend(), b = bed();
+  h.update(now_);
+  b.update(now_);
+  s.hotend = h.temperature();
+  s.bed = b.temperature();
+  s.fan = fan_;
+  s.halted = halted_;
+  return s;
+}
+
+}  // namespace voidpath::test::mock
