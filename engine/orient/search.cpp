@@ -174,6 +174,8 @@ constexpr MethodName kMethodNames[] = {{Method::toolpath, "toolpath"},
                                        {Method::ahsan, "ahsan"},
                                        {Method::as_delivered, "as-delivered"}};
 
+}  // namespace
+
 std::string to_string(Method method) {
   for (const auto& [m, name] : kMethodNames)
     if (m == method) return name;
