@@ -1,8 +1,9 @@
 #include "engine/motion/junction.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
-#include <numbers>
 
 namespace voidpath::motion {
 namespace {
@@ -15,16 +16,40 @@ constexpr float kCos135 = -0.7071067812F;
 /// An axis speed change below this is rounding, not a jerk.
 constexpr float kJunctionKeep_r = 0.99F;
 
-/// The angle whose cosine is -c for c < 0, by the firmware's polynomial: up to 0.033 rad off, and never
-/// below 0.033, which is what bounds the speed on nearly straight chords.
+/// The firmware's arc cosine for nearly straight corners: chords of the curve over intervals that halve
+/// towards 1, raised so that the error is even on both sides (0.01 rad at most). JD_USE_LOOKUP_TABLE.
+class ArcCosineTable {
+ public:
+  ArcCosineTable() {
+    constexpr double kRaise = 1.00751495;
+    for (std::size_t i = 0; i < kIntervals; ++i) {
+      const bool last = i + 1 == kIntervals;
+      const double x0 = 1 - std::ldexp(1.0, -static_cast<int>(i));
+      const double x1 = last ? static_cast<double>(kCosLimit) : (1 + x0) / 2;
+      const double y0 = std::acos(x0) * (i == 0 ? 1 : kRaise);
+      const double y1 = std::acos(x1) * (last ? 1 : kRaise);
+      slope_[i] = static_cast<float>((y0 - y1) / (x0 - x1));
+      offset_[i] = static_cast<float>((y1 * x0 - y0 * x1) / (x0 - x1));
+    }
+  }
+  /// For 0 ≤ x < 1.
+  float operator()(float x) const {
+    const auto scaled = static_cast<unsigned>((1 - x) * static_cast<float>(1U << (kIntervals - 1)));
+    const auto width = static_cast<std::size_t>(std::bit_width(scaled));
+    const std::size_t i = width >= kIntervals ? 0 : kIntervals - 1 - width;
+    return x * slope_[i] + offset_[i];
+  }
+
+ private:
+  static constexpr std::size_t kIntervals = 16;
+  std::array<float, kIntervals> slope_{};
+  std::array<float, kIntervals> offset_{};
+};
+
+/// The angle between two lines whose corner has cosine `c` below zero.
 float chord_angle(float c) {
-  const float t = -c;
-  const float arc_sine =
-      0.032843707F +
-      t * (-1.451838349F +
-           t * (29.66153956F +
-                t * (-131.1123477F + t * (262.8130562F + t * (-242.7199627F + t * 84.31466202F)))));
-  return std::numbers::pi_v<float> / 2 - arc_sine;
+  static const ArcCosineTable table;
+  return table(-c);
 }
 
 /// The change of one axis' speed across a corner: a difference when it goes on the same way, else the
