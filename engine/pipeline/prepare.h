@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -22,6 +23,10 @@ struct PrepareOptions {
   std::optional<geom::Vec3> direction;
   toolpath::PrintSettings print;
   motion::MachineLimits limits;
+  /// Seconds that timing candidates may take (Method::toolpath), by this clock. Without a clock only the
+  /// baselines are timed.
+  double budget_s = 20;
+  std::function<double()> now_s;
 };
 
 struct Prepared {
@@ -46,7 +51,7 @@ class Refused : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Orients only.
+/// Orients only. Method::toolpath times its leading candidates, see time_candidates.h.
 orient::Choice choose(const mesh::TriangleMesh& mesh, const PrepareOptions& options, const run::Context& ctx);
 
 }  // namespace voidpath::pipeline

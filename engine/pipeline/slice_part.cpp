@@ -1,0 +1,150 @@
+#include "engine/pipeline/slice_part.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "engine/orient/feasible.h"
+#include "engine/orient/words.h"
+#include "engine/slice/layer_heights.h"
+#include "engine/slice/slice_mesh.h"
+#include "engine/toolpath/build.h"
+
+namespace voidpath::pipeline {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string size_text(double x, double y, double z) {
+  return orient::number(x, 1) + " x " + orient::number(y, 1) + " x " + orient::number(z, 1) + " mm";
+}
+
+/// Width of what is laid around the part on the first layer.
+double skirt_mm(const toolpath::SliceSettings& s) {
+  return s.skirt_loops > 0 ? s.skirt_gap_mm + s.skirt_loops * s.first_layer_line_width_mm : 0;
+}
+
+mesh::TriangleMesh turned_about_z(mesh::TriangleMesh mesh, double angle) {
+  if (angle == 0) return mesh;
+  mesh = mesh::rotated(mesh, geom::Quaternion(Eigen::AngleAxisd(angle, geom::Vec3::UnitZ())));
+  const mesh::Bounds b = mesh::bounds(mesh);
+  const geom::Vec3 shift(-0.5 * (b.min.x() + b.max.x()), -0.5 * (b.min.y() + b.max.y()), 0);
+  for (auto& v : mesh.vertices) v += shift;
+  return mesh;
+}
+
+struct Placed {
+  mesh::TriangleMesh mesh;
+  toolpath::PrintSettings print;
+};
+
+Placed place(const mesh::TriangleMesh& mesh, const geom::Vec3& direction, const PrepareOptions& options) {
+  Placed placed{mesh::turned(mesh, direction), options.print};
+  const auto& machine = options.print.machine;
+  auto& slice = placed.print.slice;
+  const geom::Vec3 size = mesh::bounds(placed.mesh).size();
+  orient::PrintLimits limits;
+  limits.volume_mm = {machine.bed_mm[0], machine.bed_mm[1], machine.height_mm};
+  limits.bed_margin_mm = slice.brim_width_mm + skirt_mm(slice);
+  auto turn = orient::bed_turn(mesh, direction, limits);
+  if (!turn) {
+    slice.skirt_loops = 0;
+    limits.bed_margin_mm = slice.brim_width_mm;
+    turn = orient::bed_turn(mesh, direction, limits);
+  }
+  // A part exactly as tall as the printer fits, whatever rounding did to its height.
+  constexpr double kRounding_mm = 1e-6;
+  if (!turn || size.z() > machine.height_mm + kRounding_mm)
+    throw Refused("the part is " + size_text(size.x(), size.y(), size.z()) +
+                  " in this orientation and does not fit the printer's " +
+                  size_text(machine.bed_mm[0], machine.bed_mm[1], machine.height_mm) +
+                  "; scale it down or choose another printer");
+  placed.mesh = turned_about_z(std::move(placed.mesh), *turn);
+  return placed;
+}
+
+/// Temporary beside the target, renamed into place by commit(), gone otherwise.
+class AtomicFile {
+ public:
+  explicit AtomicFile(fs::path target) : target_(std::move(target)), part_(target_.string() + ".part") {
+    out_.open(part_, std::ios::binary | std::ios::trunc);
+    if (!out_) throw failure("cannot be written");
+  }
+  ~AtomicFile() {
+    std::error_code ec;
+    if (!committed_) fs::remove(part_, ec);
+  }
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  std::ostream& stream() { return out_; }
+  const fs::path& path() const { return part_; }
+  /// On disk, not just handed to the kernel.
+  void close() {
+    out_.close();
+    if (!out_) throw failure("writing failed");
+    const int fd = ::open(part_.c_str(), O_RDONLY | O_CLOEXEC);
+    const bool safe = fd >= 0 && ::fsync(fd) == 0;
+    const std::runtime_error error = failure("writing failed");
+    if (fd >= 0) ::close(fd);
+    if (!safe) throw error;
+  }
+  void commit() {
+    std::error_code ec;
+    fs::rename(part_, target_, ec);
+    if (ec) throw std::runtime_error(target_.string() + ": cannot be put in place: " + ec.message());
+    committed_ = true;
+  }
+
+ private:
+  std::runtime_error failure(const std::string& what) const {
+    return std::runtime_error(target_.string() + ": " + what +
+                              (errno != 0 ? std::string(": ") + std::strerror(errno) : ""));
+  }
+  fs::path target_;
+  fs::path part_;
+  std::ofstream out_;
+  bool committed_ = false;
+};
+
+}  // namespace
+
+toolpath::EmitStats slice_part(const mesh::TriangleMesh& mesh, const geom::Vec3& direction,
+                               const PrepareOptions& options, std::ostream& out, const run::Context& ctx) {
+  const Placed placed = place(mesh, direction, options);
+  const auto& s = placed.print.slice;
+  const double height = mesh::bounds(placed.mesh).size().z();
+  auto stack = slice::slice_mesh(placed.mesh,
+                                 slice::equal_layers(height, s.first_layer_height_mm, s.layer_height_mm), {}, ctx);
+  toolpath::place_on_bed(stack, placed.print.machine);
+  const toolpath::Plan plan = toolpath::build(stack, placed.print, ctx);
+  if (plan.layers.empty()) throw Refused("nothing is left to print: the part is thinner than a line everywhere");
+  const std::string header = "up in the model: " + orient::number(direction.x(), 6) + ", " +
+                             orient::number(direction.y(), 6) + ", " + orient::number(direction.z(), 6);
+  return toolpath::emit(plan, placed.print, header, out, ctx);
+}
+
+SlicedPart slice_part_to(const mesh::TriangleMesh& mesh, const geom::Vec3& direction, const PrepareOptions& options,
+                         const fs::path& file, const run::Context& ctx) {
+  SlicedPart part;
+  AtomicFile out(file);
+  part.stats = slice_part(mesh, direction, options, out.stream(), ctx);
+  out.close();
+  part.estimate = gcode::estimate_file(out.path(), options.limits, ctx);
+  out.commit();
+  return part;
+}
+
+double time_part(const mesh::TriangleMesh& mesh, const geom::Vec3& direction, const PrepareOptions& options,
+                 const run::Context& ctx) {
+  std::stringstream text;
+  slice_part(mesh, direction, options, text, ctx);
+  return gcode::estimate(text, options.limits, ctx).predicted_s;
+}
+
+}  // namespace voidpath::pipeline
