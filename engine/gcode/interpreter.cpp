@@ -121,7 +121,7 @@ Effect Interpreter::run_m(const Command& command) {
       if (command.get('F') > 0) retract_feed_mm_min_ = command.get('F') * unit_mm_;
       break;
     case 220:
-      if (command.get('S') > 0) feed_r_ = std::clamp(command.get('S') / 100, 0.01F, 9.99F);
+      if (command.get('S') > 0) feed_percent_ = std::clamp(std::trunc(command.get('S')), 1.0F, 999.0F);
       break;
     case 221:
       if (command.has('S') && command.get('S') >= 0) planner_.set_flow(command.get('S') / 100);

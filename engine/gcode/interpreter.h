@@ -51,14 +51,15 @@ class Interpreter {
   void set_limits(const Command& command);
   Axes target_of(const Command& command);
   Effect effect_of(const Axes& target) const;
-  float feed_v() const { return feed_mm_min_ / 60.0F * feed_r_; }
+  /// MMS_SCALED: multiplied in this order, 30 mm/s comes out a rounding below 30, and step rates with it.
+  float feed_v() const { return feed_mm_min_ / 60.0F * 0.01F * feed_percent_; }
   void note(const std::string& text);
 
   motion::WiredPlanner& planner_;
   Axes position_{};
   float unit_mm_ = 1;
   float feed_mm_min_ = 1500;  ///< before the first F
-  float feed_r_ = 1;          ///< M220
+  float feed_percent_ = 100;  ///< M220
   bool relative_ = false;
   bool relative_e_ = false;
   bool moved_ = false;

@@ -1,9 +1,9 @@
 #include "engine/motion/planner.h"
 
+#include "engine/motion/trapezoid.h"
+
 #include <algorithm>
 #include <cmath>
-
-#include "engine/motion/trapezoid.h"
 
 namespace voidpath::motion {
 namespace {

@@ -18,6 +18,8 @@ namespace {
 constexpr std::uint32_t kMinRate = 120;
 /// From here on the series is exact to 0.001 steps over a whole ramp.
 constexpr double kSeriesU = 4.0;
+/// So few steps are quicker taken one at a time.
+constexpr std::uint32_t kFewSteps = 6;
 /// Mean of the fraction the integer rate drops.
 constexpr double kMeanFraction = 0.5;
 
@@ -42,63 +44,58 @@ struct Ramp {
   double rate;  ///< of its last step
 };
 
-/// `steps` steps from `initial` upwards, the first `elapsed` seconds after the block's start; capped.
+/// The sum of 1/r over the first `count` steps of a recurrence is (last + its increment - first)/a: the rate
+/// before the one that came out as `next`.
+double rate_before(double next, double accel) { return (next + std::sqrt(next * next - 4 * accel)) / 2; }
+
+/// `steps` steps from `initial` upwards, `elapsed` seconds after the block's start, not above `cap`.
 Ramp ramp_up(double initial, double cap, double accel, double elapsed, std::uint32_t steps) {
   const double begun = elapsed;
+  const double series_rate = std::sqrt(2 * accel * kSeriesU);
   double rate = initial;
   std::uint32_t left = steps;
-  const double series_rate = std::sqrt(2 * accel * kSeriesU);
   while (left > 0 && rate < cap) {
-    const double next = initial + std::floor(accel * elapsed);
-    if (next >= series_rate && left > 2) break;
-    rate = std::min(next, cap);
+    rate = std::min(initial + std::floor(accel * elapsed), cap);
+    if (rate >= series_rate && left > kFewSteps) break;
     elapsed += 1 / rate;
     --left;
   }
-  if (left == 0) return {elapsed - begun, rate};
-  if (rate < cap) {
-    const double first = initial - kMeanFraction + accel * elapsed;
-    if (first < cap) {
-      const double from = up_invariant(first * first / (2 * accel));
-      const double to_cap = up_invariant(cap * cap / (2 * accel)) - from;
-      if (to_cap >= left) {
-        const double after = std::sqrt(2 * accel * up_inverse(from + left));
-        elapsed += (after - first) / accel;
-        return {elapsed - begun, std::min(cap, std::round(after - accel / after))};
-      }
-      elapsed += (cap - first) / accel + (left - to_cap) / cap;
-      return {elapsed - begun, cap};
-    }
+  const double first = initial - kMeanFraction + accel * elapsed;
+  if (left > 0 && first < cap) {
+    const double from = up_invariant(first * first / (2 * accel));
+    const double below_cap = std::floor(up_invariant(cap * cap / (2 * accel)) - from) + 1;
+    const double count = std::min(below_cap, static_cast<double>(left));
+    const double next = std::sqrt(2 * accel * up_inverse(from + count));
+    elapsed += (next - first) / accel;
+    left -= static_cast<std::uint32_t>(count);
+    rate = std::min(std::round(rate_before(next, accel)), cap);
   }
-  return {elapsed - begun + left / cap, cap};
+  if (left > 0) rate = cap;
+  return {elapsed - begun + left / cap, rate};
 }
 
 /// `steps` steps from `reached` downwards, not below `least`.
 double ramp_down(double reached, double least, double accel, std::uint32_t steps) {
   if (steps == 0) return 0;
-  double seconds = 1 / reached;
-  std::uint32_t left = steps - 1;
-  if (least >= reached) return seconds + left / least;
-  double rate = reached + kMeanFraction - accel * seconds;
   const double series_rate = std::max(least, std::sqrt(2 * accel * kSeriesU));
-  if (left > 2 && rate > series_rate) {
-    const double from = down_invariant(rate * rate / (2 * accel));
-    const double until = from - down_invariant(series_rate * series_rate / (2 * accel));
-    const bool to_least = series_rate <= least;
-    const double count = to_least ? std::min<double>(until, left) : std::min(std::floor(until), double(left));
-    const double after = count == until ? series_rate : std::sqrt(2 * accel * down_inverse(from - count));
-    seconds += (rate - after) / accel;
-    if (to_least) return seconds + (left - count) / least;
+  double elapsed = 1 / reached;
+  std::uint32_t left = steps - 1;
+  const double first = reached + kMeanFraction - accel * elapsed;
+  if (left > kFewSteps && first > series_rate) {
+    const double from = down_invariant(first * first / (2 * accel));
+    const double above = std::floor(from - down_invariant(series_rate * series_rate / (2 * accel))) + 1;
+    const double count = std::min(above, static_cast<double>(left));
+    const double next = std::sqrt(2 * accel * down_inverse(from - count));
+    elapsed += (first - next) / accel;
     left -= static_cast<std::uint32_t>(count);
-    rate = after;
   }
-  const double base = rate + accel * seconds;
-  while (left > 0 && rate > least) {
-    seconds += 1 / rate;
+  while (left > 0) {
+    const double rate = reached - std::floor(accel * elapsed);
+    if (rate <= least) break;
+    elapsed += 1 / rate;
     --left;
-    rate = base - accel * seconds;
   }
-  return seconds + left / least;
+  return elapsed + left / least;
 }
 
 std::uint32_t rounded_up(float rate) {
