@@ -34,12 +34,18 @@ Ring from_clipper(const cl::Path& path) {
   return ring;
 }
 
-/// `node` is an outer ring; its children are holes, theirs are outer rings again.
+/// `node` is an outer ring; its children are holes, theirs are outer rings again. Rounding to whole nm
+/// can turn a sliver inside out: such rings hold no area and are left out.
 void append_regions(const cl::PolyNode& node, Regions& out) {
   Region region{from_clipper(node.Contour), {}};
-  region.holes.reserve(node.Childs.size());
-  for (const cl::PolyNode* hole : node.Childs) region.holes.push_back(from_clipper(hole->Contour));
-  out.push_back(std::move(region));
+  if (area(region.outer) > 0) {
+    region.holes.reserve(node.Childs.size());
+    for (const cl::PolyNode* child : node.Childs) {
+      Ring hole = from_clipper(child->Contour);
+      if (area(hole) < 0) region.holes.push_back(std::move(hole));
+    }
+    out.push_back(std::move(region));
+  }
   for (const cl::PolyNode* hole : node.Childs)
     for (const cl::PolyNode* island : hole->Childs) append_regions(*island, out);
 }
