@@ -1,12 +1,12 @@
 #pragma once
 
-#include <cstddef>
-#include <iosfwd>
-#include <string>
-
 #include "engine/run/context.h"
 #include "engine/toolpath/plan.h"
 #include "engine/toolpath/settings.h"
+
+#include <cstddef>
+#include <iosfwd>
+#include <string>
 
 namespace voidpath::toolpath {
 

@@ -1,11 +1,11 @@
 #pragma once
 
+#include "engine/geom/polygon.h"
+#include "engine/slice/layer.h"
+
 #include <optional>
 #include <string_view>
 #include <vector>
-
-#include "engine/geom/polygon.h"
-#include "engine/slice/layer.h"
 
 namespace voidpath::toolpath {
 

@@ -73,9 +73,9 @@ struct CoolingSettings {
   double fan_min = 0.35;  ///< 0 to 1
   double fan_max = 1.0;
   double bridge_fan = 1.0;
-  int fan_off_layers = 1;          ///< the first n layers print without fan
-  double slow_below_s = 10;        ///< layers that take less are slowed down...
-  double min_speed_mm_s = 10;      ///< ...but not below this
+  int fan_off_layers = 1;      ///< the first n layers print without fan
+  double slow_below_s = 10;    ///< layers that take less are slowed down...
+  double min_speed_mm_s = 10;  ///< ...but not below this
   double full_fan_below_s = 30;
 };
 

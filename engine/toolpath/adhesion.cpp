@@ -1,0 +1,75 @@
+#include "engine/toolpath/adhesion.h"
+
+#include "engine/geom/polygon_ops.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace voidpath::toolpath {
+
+namespace {
+
+using geom::from_mm;
+using geom::Point;
+
+double turn(const Point& a, const Point& b, const Point& c) {
+  return static_cast<double>(b.x - a.x) * static_cast<double>(c.y - a.y) -
+         static_cast<double>(b.y - a.y) * static_cast<double>(c.x - a.x);
+}
+
+geom::Regions filled(const geom::Regions& regions) {
+  geom::Rings outers;
+  for (const auto& r : regions) outers.push_back(r.outer);
+  geom::Regions out = geom::unite(outers);
+  for (auto& r : out) r.holes.clear();
+  return out;
+}
+
+}  // namespace
+
+geom::Ring convex_hull(std::vector<Point> points) {
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  if (points.size() < 3) return points;
+  geom::Ring hull(2 * points.size());
+  std::size_t n = 0;
+  auto add = [&](const Point& p, std::size_t least) {
+    while (n >= least && turn(hull[n - 2], hull[n - 1], p) <= 0) --n;
+    hull[n++] = p;
+  };
+  for (const Point& p : points) add(p, 2);
+  const std::size_t lower = n + 1;
+  for (std::size_t i = points.size() - 1; i-- > 0;) add(points[i], lower);
+  hull.resize(n - 1);
+  return hull;
+}
+
+geom::Rings brim_loops(const geom::Regions& footprint, const SliceSettings& settings, const BeadSize& bead) {
+  geom::Rings out;
+  if (settings.brim_width_mm <= 0 || footprint.empty()) return out;
+  const double spacing = bead.spacing_mm();
+  const auto count = std::max(1, static_cast<int>(std::floor(settings.brim_width_mm / spacing)));
+  const geom::Regions base = filled(footprint);
+  for (int k = count; k-- > 0;)
+    for (auto& region : filled(geom::offset(base, from_mm(spacing * (k + 0.5)), geom::Join::round)))
+      out.push_back(std::move(region.outer));
+  return out;
+}
+
+geom::Rings skirt_loops(const geom::Regions& footprint, const SliceSettings& settings, const BeadSize& bead) {
+  geom::Rings out;
+  if (settings.skirt_loops <= 0 || footprint.empty()) return out;
+  std::vector<Point> points;
+  for (const auto& r : footprint) points.insert(points.end(), r.outer.begin(), r.outer.end());
+  geom::Ring hull = convex_hull(std::move(points));
+  if (hull.size() < 3) return out;
+  const geom::Regions base{{std::move(hull), {}}};
+  for (int k = settings.skirt_loops; k-- > 0;) {
+    const double by = settings.skirt_gap_mm + bead.spacing_mm() * (k + 0.5);
+    for (auto& region : geom::offset(base, from_mm(by), geom::Join::round))
+      out.push_back(std::move(region.outer));
+  }
+  return out;
+}
+
+}  // namespace voidpath::toolpath

@@ -1,0 +1,181 @@
+#include "engine/toolpath/emit.h"
+
+#include "engine/toolpath/edge_grid.h"
+#include "engine/toolpath/gcode_text.h"
+#include "engine/toolpath/pace.h"
+#include "engine/toolpath/placeholders.h"
+#include "engine/toolpath/writer.h"
+
+#include <cmath>
+#include <memory>
+#include <ostream>
+
+namespace voidpath::toolpath {
+
+namespace {
+
+/// Text is handed to the stream in pieces of about this size, bytes.
+constexpr std::size_t kFlushBytes = 1 << 20;
+/// Widths that differ by less are the same to a reader of the comments, mm.
+constexpr double kSameWidthMm = 5e-4;
+
+bool mentions(std::string_view text, std::initializer_list<std::string_view> words) {
+  for (const auto& w : words)
+    if (text.find(w) != std::string_view::npos) return true;
+  return false;
+}
+
+class Emitter {
+ public:
+  Emitter(const Plan& plan, const PrintSettings& settings, std::ostream& out, const run::Context& ctx)
+      : plan_(plan), settings_(settings), out_(out), ctx_(ctx), writer_(settings) {}
+
+  EmitStats run(const std::string& header) {
+    const Placeholders values = placeholders(plan_, settings_);
+    // Both are expanded first: a mistake in the end G-code must not show after an hour of printing.
+    const std::string start = expand(settings_.machine.start_gcode, values, "start G-code");
+    const std::string end = expand(settings_.machine.end_gcode, values, "end G-code");
+    write_header(header);
+    if (!start.empty()) writer_.raw(start);
+    writer_.begin();
+    writer_.fan(0);
+    for (std::size_t i = 0; i < plan_.layers.size(); ++i) {
+      ctx_.check();
+      layer(i);
+      if (writer_.text().size() > kFlushBytes) flush();
+      ctx_.progress("write", static_cast<double>(i + 1) / static_cast<double>(plan_.layers.size()));
+    }
+    writer_.retract();
+    writer_.fan(0);
+    if (!end.empty()) writer_.raw(end);
+    write_footer();
+    flush();
+    return writer_.stats();
+  }
+
+ private:
+  void write_header(const std::string& header) {
+    std::size_t from = 0;
+    while (from < header.size()) {
+      const std::size_t to = std::min(header.find('\n', from), header.size());
+      writer_.raw("; " + header.substr(from, to - from));
+      from = to + 1;
+    }
+  }
+
+  void write_footer() {
+    const EmitStats& s = writer_.stats();
+    const double grams = s.extruded_mm3 * 1e-3 * settings_.filament.density_g_cm3;
+    writer_.raw("; filament used [mm] = " + decimal(s.filament_mm, 2));
+    writer_.raw("; filament used [cm3] = " + decimal(s.extruded_mm3 * 1e-3, 2));
+    writer_.raw("; filament used [g] = " + decimal(grams, 2));
+  }
+
+  void flush() {
+    out_.write(writer_.text().data(), static_cast<std::streamsize>(writer_.text().size()));
+    writer_.text().clear();
+  }
+
+  /// After the first layer the filament's own temperatures hold, where the start G-code set any.
+  void change_temperatures() {
+    const Filament& f = settings_.filament;
+    const std::string_view start = settings_.machine.start_gcode;
+    if (f.nozzle_c != f.nozzle_first_layer_c && mentions(start, {"M104", "M109", "{nozzle_"}))
+      writer_.temperature(104, f.nozzle_c);
+    if (f.bed_c != f.bed_first_layer_c && mentions(start, {"M140", "M190", "{bed_c}", "{bed_first_layer_c}"}))
+      writer_.temperature(140, f.bed_c);
+  }
+
+  void layer(std::size_t i) {
+    const LayerPlan& layer = plan_.layers[i];
+    ++writer_.stats().layers;
+    writer_.comment("LAYER_CHANGE");
+    writer_.comment("Z:" + decimal(layer.span.top_mm, 3));
+    writer_.comment("HEIGHT:" + decimal(layer.span.height_mm(), 3));
+    writer_.reset_e();
+    if (i == 1) change_temperatures();
+    outline_.reset();
+    pace_ = pace_of_layer(layer, i, settings_);
+    z_pending_ = true;
+    has_type_ = false;
+    for (const Path& path : layer.paths)
+      if (path.points.size() > 1) print(path, i);
+  }
+
+  void print(const Path& path, std::size_t i) {
+    go_to(path.points.front(), plan_.layers[i]);
+    describe(path);
+    const double print_acceleration = i == 0 && settings_.acceleration.first_layer > 0
+                                          ? settings_.acceleration.first_layer
+                                          : settings_.acceleration.print;
+    writer_.acceleration(print_acceleration);
+    const CoolingSettings& c = settings_.cooling;
+    const bool no_fan = !c.enabled || i < static_cast<std::size_t>(std::max(c.fan_off_layers, 0));
+    writer_.fan(!no_fan && keeps_speed(path.role) ? std::max(c.bridge_fan, pace_.fan) : pace_.fan);
+    const double speed = pace_.apply(path_speed_mm_s(path, i, settings_), path.role);
+    writer_.unretract();
+    for (std::size_t k = 1; k < path.points.size(); ++k)
+      extrude(path, path.points[k - 1], path.points[k], speed);
+    if (path.closed) extrude(path, path.points.back(), path.points.front(), speed);
+  }
+
+  void extrude(const Path& path, const geom::Point& from, const geom::Point& to, double speed) {
+    writer_.extrude(to, geom::distance(from, to) / geom::kNmPerMm * path.area_mm2, speed);
+  }
+
+  void describe(const Path& path) {
+    if (!has_type_ || role_ != path.role) {
+      has_type_ = true;
+      role_ = path.role;
+      writer_.comment("TYPE:" + std::string(type_name(path.role)));
+    }
+    if (std::abs(width_mm_ - path.width_mm) >= kSameWidthMm) {
+      width_mm_ = path.width_mm;
+      writer_.comment("WIDTH:" + decimal(path.width_mm, 3));
+    }
+  }
+
+  void go_to(const geom::Point& to, const LayerPlan& layer) {
+    const bool move = !writer_.at() || !(*writer_.at() == to);
+    if (z_pending_) {
+      if (writer_.at() && needs_retraction(*writer_.at(), to, layer)) writer_.retract();
+      writer_.layer_height(layer.span.top_mm);
+      z_pending_ = false;
+    } else if (move && needs_retraction(*writer_.at(), to, layer)) {
+      writer_.retract();
+    }
+    if (!move) return;
+    if (settings_.acceleration.travel > 0 && settings_.acceleration.print > 0)
+      writer_.acceleration(settings_.acceleration.travel);
+    writer_.travel(to);
+  }
+
+  /// Oozing shows only outside: a travel that stays within the layer's outline needs no retraction.
+  bool needs_retraction(const geom::Point& from, const geom::Point& to, const LayerPlan& layer) {
+    if (settings_.retract.length_mm <= 0) return false;
+    if (geom::distance(from, to) < settings_.retract.min_travel_mm * geom::kNmPerMm) return false;
+    if (!outline_) outline_ = std::make_unique<EdgeGrid>(layer.outline);
+    return !outline_->contains(from, to);
+  }
+
+  const Plan& plan_;
+  const PrintSettings& settings_;
+  std::ostream& out_;
+  const run::Context& ctx_;
+  Writer writer_;
+  std::unique_ptr<EdgeGrid> outline_;
+  Pace pace_;
+  Role role_ = Role::infill;
+  bool has_type_ = false;
+  bool z_pending_ = true;
+  double width_mm_ = 0;
+};
+
+}  // namespace
+
+EmitStats emit(const Plan& plan, const PrintSettings& settings, const std::string& header, std::ostream& out,
+               const run::Context& ctx) {
+  return Emitter(plan, settings, out, ctx).run(header);
+}
+
+}  // namespace voidpath::toolpath

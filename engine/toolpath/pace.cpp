@@ -1,0 +1,108 @@
+#include "engine/toolpath/pace.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace voidpath::toolpath {
+
+namespace {
+
+/// Halvings in the search for the slow-down: to a millionth of the speed.
+constexpr int kBisections = 24;
+/// Speeds in settings are never taken lower than this, mm/s: a print has to end.
+constexpr double kLeastSpeedMmS = 0.1;
+
+double role_speed(Role role, const SpeedSettings& s) {
+  switch (role) {
+    case Role::external_perimeter:
+      return s.external_perimeter;
+    case Role::perimeter:
+    case Role::skirt_brim:
+      return s.perimeter;
+    case Role::overhang_perimeter:
+    case Role::bridge_infill:
+      return s.bridge;
+    case Role::infill:
+      return s.infill;
+    case Role::solid_infill:
+      return s.solid_infill;
+    case Role::top_solid_infill:
+      return s.top_solid_infill;
+    case Role::gap_fill:
+      return s.gap_fill;
+    case Role::support:
+    case Role::support_interface:
+      return s.support;
+  }
+  return s.perimeter;
+}
+
+double length_mm(const Path& path) {
+  double sum = geom::length(path.points);
+  if (path.closed && path.points.size() > 1) sum += geom::distance(path.points.back(), path.points.front());
+  return sum / geom::kNmPerMm;
+}
+
+}  // namespace
+
+double path_speed_mm_s(const Path& path, std::size_t layer, const PrintSettings& settings) {
+  double v = layer == 0 ? settings.speed.first_layer : role_speed(path.role, settings.speed);
+  const double flow = path.area_mm2 * settings.filament.flow;
+  if (settings.filament.max_flow_mm3_s > 0 && flow > 0)
+    v = std::min(v, settings.filament.max_flow_mm3_s / flow);
+  return std::max(v, kLeastSpeedMmS);
+}
+
+bool keeps_speed(Role role) { return role == Role::bridge_infill || role == Role::overhang_perimeter; }
+
+double Pace::apply(double speed_mm_s, Role role) const {
+  if (factor >= 1 || keeps_speed(role)) return speed_mm_s;
+  return std::max(speed_mm_s * factor, std::min(speed_mm_s, floor_mm_s));
+}
+
+Pace pace_of_layer(const LayerPlan& layer, std::size_t index, const PrintSettings& settings) {
+  const CoolingSettings& c = settings.cooling;
+  struct Stretch {
+    double length, speed;
+    Role role;
+  };
+  std::vector<Stretch> stretches;
+  double fixed = 0;  // seconds of travel
+  const double travel = std::max(settings.speed.travel, kLeastSpeedMmS);
+  const geom::Point* at = nullptr;
+  for (const Path& p : layer.paths) {
+    if (p.points.empty()) continue;
+    if (at != nullptr) fixed += geom::distance(*at, p.points.front()) / geom::kNmPerMm / travel;
+    at = p.closed ? &p.points.front() : &p.points.back();
+    stretches.push_back({length_mm(p), path_speed_mm_s(p, index, settings), p.role});
+  }
+  Pace out;
+  out.floor_mm_s = std::max(c.min_speed_mm_s, kLeastSpeedMmS);
+  auto seconds = [&](double factor) {
+    Pace trial = out;
+    trial.factor = factor;
+    double sum = fixed;
+    for (const Stretch& s : stretches) sum += s.length / trial.apply(s.speed, s.role);
+    return sum;
+  };
+  out.seconds = seconds(1);
+  if (!c.enabled) return out;
+  if (out.seconds < c.slow_below_s) {
+    double low = 0;
+    double high = 1;
+    for (int i = 0; i < kBisections; ++i) {
+      const double mid = 0.5 * (low + high);
+      (seconds(mid) >= c.slow_below_s ? low : high) = mid;
+    }
+    out.factor = low;
+    out.seconds = seconds(low);
+  }
+  if (index < static_cast<std::size_t>(std::max(c.fan_off_layers, 0))) return out;
+  const double range = std::max(c.full_fan_below_s - c.slow_below_s, 1e-9);
+  const double quick = std::clamp((c.full_fan_below_s - out.seconds) / range, 0.0, 1.0);
+  out.fan = std::clamp(c.fan_min + quick * (c.fan_max - c.fan_min), 0.0, 1.0);
+  return out;
+}
+
+}  // namespace voidpath::toolpath

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "engine/toolpath/plan.h"
+#include "engine/toolpath/settings.h"
+
+#include <cstddef>
+
+/// How fast each path is printed and how much the fan blows.
+namespace voidpath::toolpath {
+
+/// The path's speed by its role and layer, within the filament's flow limit, mm/s.
+double path_speed_mm_s(const Path& path, std::size_t layer, const PrintSettings& settings);
+
+/// Whether slowing for cooling leaves the role alone: a strand over air sags when it is printed slowly.
+bool keeps_speed(Role role);
+
+struct Pace {
+  /// Speeds of paths that may be slowed are multiplied by this, but stay above the floor.
+  double factor = 1;
+  double floor_mm_s = 0;
+  double seconds = 0;  ///< of the layer at this pace, accelerations left out
+  double fan = 0;      ///< 0 to 1
+
+  double apply(double speed_mm_s, Role role) const;
+};
+
+/// For one layer. Travel between paths counts at travel speed.
+Pace pace_of_layer(const LayerPlan& layer, std::size_t index, const PrintSettings& settings);
+
+}  // namespace voidpath::toolpath

@@ -1,0 +1,95 @@
+#include "engine/toolpath/perimeters.h"
+
+#include "engine/geom/polygon_ops.h"
+#include "engine/toolpath/bead.h"
+#include "engine/toolpath/region_ops.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace voidpath::toolpath {
+
+namespace {
+
+using geom::from_mm;
+using geom::Regions;
+
+/// Neighbouring walls may come this close, as a share of their spacing, before the inner one is dropped
+/// and the gap filled instead.
+constexpr double kMinSpacingShare = 0.6;
+/// Slivers thinner than this share of a bead are left to the squeeze of their neighbours.
+constexpr double kMinGapShare = 0.2;
+/// Slack for the rounding of offsets, nm, so that an area exactly as wide as a bead keeps its bead.
+constexpr geom::Coord kOffsetSlack = 1000;
+/// Gap areas below this are noise of the offsetting, mm².
+constexpr double kMinGapAreaMm2 = 0.02;
+
+/// Shrinks, and drops what is too thin for two centre lines `min_spacing` apart.
+Regions inset(const Regions& regions, double by_mm, double min_spacing_mm) {
+  const geom::Coord back = std::max<geom::Coord>(from_mm(0.5 * min_spacing_mm) - kOffsetSlack, 0);
+  return geom::offset(geom::offset(regions, -(from_mm(by_mm) + back)), back);
+}
+
+/// What `beads` leave of `area`, without threads too thin to print.
+void collect_gaps(Regions& gaps, const Regions& area, const Regions& beads, const BeadSize& bead) {
+  Regions left = quick_subtract(area, beads);
+  if (left.empty()) return;
+  left = geom::open(left, from_mm(0.5 * kMinGapShare * bead.width_mm));
+  append(gaps, geom::remove_small(left, kMinGapAreaMm2 * geom::kNmPerMm * geom::kNmPerMm));
+}
+
+bool inside(const geom::Ring& inner, const geom::Ring& outer) { return geom::contains(outer, inner.front()); }
+
+/// The wall whose deepest loop is the neighbour of this one, one step further out.
+Wall* find_wall(std::vector<Wall>& walls, const Loop& loop) {
+  for (Wall& wall : walls) {
+    const Loop& last = wall.back();
+    if (last.depth + 1 != loop.depth || last.is_hole != loop.is_hole) continue;
+    if (loop.is_hole ? inside(last.ring, loop.ring) : inside(loop.ring, last.ring)) return &wall;
+  }
+  return nullptr;
+}
+
+void add_loops(std::vector<Wall>& walls, const Regions& centre_lines, int depth) {
+  auto add = [&](const geom::Ring& ring, bool is_hole) {
+    Loop loop{ring, depth, is_hole};
+    if (Wall* wall = depth > 0 ? find_wall(walls, loop) : nullptr)
+      wall->push_back(std::move(loop));
+    else
+      walls.push_back({std::move(loop)});
+  };
+  for (const auto& region : centre_lines) {
+    add(region.outer, false);
+    for (const auto& hole : region.holes) add(hole, true);
+  }
+}
+
+}  // namespace
+
+double BeadSize::spacing_mm() const { return bead_spacing_mm(width_mm, height_mm); }
+double BeadSize::area_mm2() const { return bead_area_mm2(width_mm, height_mm); }
+
+BeadSize bead_of_layer(const SliceSettings& settings, std::size_t layer, double height_mm) {
+  return {layer == 0 ? settings.first_layer_line_width_mm : settings.line_width_mm, height_mm};
+}
+
+Perimeters make_perimeters(const geom::Region& outline, int count, const BeadSize& bead) {
+  Perimeters out;
+  const double spacing = bead.spacing_mm();
+  const double min_spacing = kMinSpacingShare * spacing;
+  Regions area{outline};  // not yet under a bead
+  Regions centre;
+  for (int depth = 0; depth < count && !area.empty(); ++depth) {
+    const double half = 0.5 * (depth == 0 ? bead.width_mm : spacing);
+    centre = inset(area, half, min_spacing);
+    collect_gaps(out.gaps, area, geom::offset(centre, from_mm(half) + kOffsetSlack), bead);
+    add_loops(out.walls, centre, depth);
+    area = geom::offset(centre, -from_mm(0.5 * spacing));
+  }
+  if (area.empty()) return out;
+  out.inner = geom::open(area, std::max<geom::Coord>(from_mm(0.5 * min_spacing) - kOffsetSlack, 0));
+  collect_gaps(out.gaps, area, out.inner, bead);
+  return out;
+}
+
+}  // namespace voidpath::toolpath

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "engine/geom/polygon.h"
+#include "engine/run/context.h"
+#include "engine/slice/layer.h"
+#include "engine/toolpath/settings.h"
+#include "engine/toolpath/surfaces.h"
+
+#include <vector>
+
+namespace voidpath::toolpath {
+
+/// Where support is printed in one layer.
+struct SupportAreas {
+  geom::Regions sparse;
+  geom::Regions interface;  ///< dense, right below what is held
+};
+
+/// Columns below every overhang that leans out more than the settings' angle and is not bridged, one per
+/// layer of the stack. They keep the xy gap beside the part and the z gap above and below it.
+std::vector<SupportAreas> find_supports(const slice::LayerStack& stack, const std::vector<Surfaces>& surfaces,
+                                        const SliceSettings& settings, const run::Context& ctx);
+
+}  // namespace voidpath::toolpath

@@ -1,0 +1,183 @@
+#include "engine/toolpath/surfaces.h"
+
+#include "engine/geom/polygon_ops.h"
+#include "engine/run/parallel_for.h"
+#include "engine/toolpath/region_ops.h"
+
+#include <algorithm>
+#include <bit>
+#include <memory>
+
+namespace voidpath::toolpath {
+
+namespace {
+
+using geom::from_mm;
+using geom::Regions;
+using Shared = std::shared_ptr<const Regions>;
+
+/// Steps between layers narrower than this do not count as a surface, mm: noise of slicing.
+constexpr double kMinSurfaceMm = 0.05;
+/// Solid areas reach this many widths into the sparse area beside them.
+constexpr double kSkinAnchorWidths = 1.0;
+/// Bridges reach this far onto the material beside them, mm.
+constexpr double kBridgeAnchorMm = 1.2;
+/// What hangs over air by less than this many widths inside the walls is no bridge: the walls carry it.
+constexpr double kMinBridgeWidths = 1.0;
+/// Sparse areas narrower than this many widths are filled solid.
+constexpr double kMinSparseWidths = 2.0;
+
+/// Intersections of runs of consecutive layers. `level[k][i]` covers layers i … i + 2^k − 1; any longer run
+/// is the intersection of two that overlap.
+class Runs {
+ public:
+  Runs(const slice::LayerStack& stack, std::size_t longest, const run::Context& ctx) : stack_(stack) {
+    const std::size_t n = stack.size();
+    levels_.emplace_back(n);
+    for (std::size_t i = 0; i < n; ++i)  // equal neighbours share one copy: comparing them is free
+      levels_[0][i] = i > 0 && stack[i].regions == stack[i - 1].regions ? levels_[0][i - 1]
+                                                                        : Shared(Shared{}, &stack[i].regions);
+    for (std::size_t step = 1; 2 * step <= longest; step *= 2) {
+      const auto& below = levels_.back();
+      std::vector<Shared> next(n);
+      run::parallel_for(ctx, n, [&](std::size_t i) {
+        if (i + 2 * step <= n) next[i] = meet(below[i], below[i + step]);
+      });
+      levels_.push_back(std::move(next));
+    }
+  }
+
+  /// What all layers in [first, first + count) have in common; empty beyond the part's ends.
+  Shared common(std::ptrdiff_t first, std::size_t count) const {
+    if (first < 0 || static_cast<std::size_t>(first) + count > stack_.size())
+      return std::make_shared<Regions>();
+    const auto i = static_cast<std::size_t>(first);
+    const auto level = static_cast<std::size_t>(std::bit_width(count) - 1);
+    return meet(levels_[level][i], levels_[level][i + count - (std::size_t{1} << level)]);
+  }
+
+ private:
+  static Shared meet(const Shared& a, const Shared& b) {
+    return a == b ? a : std::make_shared<Regions>(quick_intersect(*a, *b));
+  }
+  const slice::LayerStack& stack_;
+  std::vector<std::vector<Shared>> levels_;
+};
+
+Regions without_noise(const Regions& regions) {
+  return regions.empty() ? regions : geom::open(regions, from_mm(0.5 * kMinSurfaceMm));
+}
+
+Regions anchored(const Regions& surface, double by_mm, const Regions& within) {
+  return surface.empty() ? surface : quick_intersect(geom::offset(surface, from_mm(by_mm)), within);
+}
+
+/// One layer's sorting.
+class Sorter {
+ public:
+  Sorter(const slice::LayerStack& stack, const Runs& runs, const SliceSettings& settings)
+      : stack_(stack), runs_(runs), settings_(settings) {}
+
+  Surfaces sort(std::size_t i, const Regions& inner) const {
+    Surfaces out;
+    if (inner.empty()) return out;
+    const bool all_solid = settings_.infill_density >= 1.0;
+    Regions shells = all_solid ? inner : without_noise(exposed(i, inner));
+    if (shells.empty() && !all_solid) {
+      out.sparse = inner;
+      if (settings_.min_infill_area_mm2 > 0) move_small(out.sparse, out.solid);
+      return out;
+    }
+    const double width = settings_.line_width_mm;
+    if (!all_solid) shells = anchored(shells, kSkinAnchorWidths * width, inner);
+    Regions bridged;
+    if (settings_.bottom_layers > 0) bridged = bridges(i, inner, out.bridges);
+    if (settings_.top_layers > 0) {
+      const Regions top =
+          i + 1 < stack_.size() ? without_noise(quick_subtract(inner, stack_[i + 1].regions)) : inner;
+      out.top = quick_subtract(anchored(top, kSkinAnchorWidths * width, inner), bridged);
+    }
+    const Regions taken = quick_unite(out.top, bridged);
+    out.solid = quick_subtract(shells, taken);
+    if (!all_solid) out.sparse = quick_subtract(inner, quick_unite(shells, taken));
+    tidy(out);
+    return out;
+  }
+
+ private:
+  /// The part of `inner` that lacks one of the layers that would make it inside.
+  Regions exposed(std::size_t i, const Regions& inner) const {
+    const auto top = static_cast<std::size_t>(std::max(settings_.top_layers, 0));
+    const auto bottom = static_cast<std::size_t>(std::max(settings_.bottom_layers, 0));
+    const auto at = static_cast<std::ptrdiff_t>(i);
+    const Shared own = runs_.common(at, 1);  // a neighbour like this layer covers all of it
+    Regions out;
+    if (top > 0) {
+      const Shared above = runs_.common(at + 1, top);
+      if (above != own) out = quick_subtract(inner, *above);
+    }
+    if (bottom > 0) {
+      const Shared below = runs_.common(at - static_cast<std::ptrdiff_t>(bottom), bottom);
+      if (below != own) out = quick_unite(out, quick_subtract(inner, *below));
+    }
+    return out;
+  }
+
+  Regions bridges(std::size_t i, const Regions& inner, std::vector<BridgeArea>& found) const {
+    Regions all;
+    if (i == 0) return all;
+    const double width = settings_.line_width_mm;
+    const Regions& below = stack_[i - 1].regions;
+    Regions hanging = quick_subtract(inner, below);
+    if (hanging.empty()) return all;
+    hanging = geom::open(hanging, from_mm(0.5 * kMinBridgeWidths * width));
+    const double walls = static_cast<double>(std::max(settings_.perimeters, 0)) * width;
+    for (const auto& region : hanging) {
+      BridgeArea bridge = plan_bridge(region, below, walls + 0.5 * kBridgeAnchorMm);
+      bridge.hanging = region;
+      if (!bridge.anchored && settings_.support != SupportMode::none)
+        continue;  // lies on support, as plain solid
+      bridge.area = quick_subtract(anchored({region}, kBridgeAnchorMm, inner), all);
+      all = quick_unite(all, bridge.area);
+      found.push_back(std::move(bridge));
+    }
+    return all;
+  }
+
+  void move_small(Regions& sparse, Regions& solid) const {
+    const double limit = settings_.min_infill_area_mm2 * geom::kNmPerMm * geom::kNmPerMm;
+    const auto small = std::stable_partition(sparse.begin(), sparse.end(),
+                                             [&](const geom::Region& r) { return geom::area(r) >= limit; });
+    solid.insert(solid.end(), small, sparse.end());
+    sparse.erase(small, sparse.end());
+  }
+
+  /// Sparse remainders too small or too thin for their pattern become solid.
+  void tidy(Surfaces& s) const {
+    if (s.sparse.empty()) return;
+    Regions wide = geom::open(s.sparse, from_mm(0.5 * kMinSparseWidths * settings_.line_width_mm));
+    Regions small;
+    move_small(wide, small);
+    Regions narrow = without_noise(quick_subtract(s.sparse, wide));
+    s.sparse = std::move(wide);
+    s.solid = quick_unite(s.solid, narrow);
+  }
+
+  const slice::LayerStack& stack_;
+  const Runs& runs_;
+  const SliceSettings& settings_;
+};
+
+}  // namespace
+
+std::vector<Surfaces> find_surfaces(const slice::LayerStack& stack, const std::vector<Regions>& inner,
+                                    const SliceSettings& settings, const run::Context& ctx) {
+  const Runs runs(stack, static_cast<std::size_t>(std::max({settings.top_layers, settings.bottom_layers, 1})),
+                  ctx);
+  const Sorter sorter(stack, runs, settings);
+  std::vector<Surfaces> out(stack.size());
+  run::parallel_for(ctx, stack.size(), [&](std::size_t i) { out[i] = sorter.sort(i, inner[i]); });
+  return out;
+}
+
+}  // namespace voidpath::toolpath

@@ -1,0 +1,39 @@
+#pragma once
+
+#include "engine/geom/polygon.h"
+#include "engine/run/context.h"
+#include "engine/slice/layer.h"
+#include "engine/toolpath/perimeters.h"
+#include "engine/toolpath/settings.h"
+
+#include <vector>
+
+namespace voidpath::toolpath {
+
+/// An area that is bridged, and how.
+struct BridgeArea {
+  geom::Regions area;    ///< with its anchors, within the walls
+  geom::Region hanging;  ///< the part over air
+  double angle_rad = 0;
+  double span_mm = 0;     ///< of its longest line
+  bool anchored = false;  ///< held at both ends; otherwise it needs support
+};
+
+/// The inside of one layer's walls, by what fills it. Areas don't overlap.
+struct Surfaces {
+  std::vector<BridgeArea> bridges;
+  geom::Regions top;
+  geom::Regions solid;
+  geom::Regions sparse;
+};
+
+/// Sorts every layer's `inner` area: solid where any of the next top_layers layers above or bottom_layers
+/// below is missing, with an overlap into the sparse area to hold on to.
+std::vector<Surfaces> find_surfaces(const slice::LayerStack& stack, const std::vector<geom::Regions>& inner,
+                                    const SliceSettings& settings, const run::Context& ctx);
+
+/// The best direction to bridge `hanging` over the layer below, and whether its lines find hold at both
+/// ends. `reach_mm`: how far beyond the area its lines go on (walls and anchor).
+BridgeArea plan_bridge(const geom::Region& hanging, const geom::Regions& below, double reach_mm);
+
+}  // namespace voidpath::toolpath
