@@ -37,6 +37,18 @@ std::vector<std::uint32_t> EdgeTable::open_slots() const {
   return open;
 }
 
+std::vector<std::pair<std::uint32_t, std::uint32_t>> EdgeTable::missing_sides(
+    const TriangleMesh& mesh) const {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> missing;
+  for_each([&](std::uint32_t low, std::uint32_t high, std::span<const EdgeUse> uses) {
+    int net = 0;
+    for (const EdgeUse& u : uses) net += edge_begin(mesh, u.slot) == low ? 1 : -1;
+    for (; net > 0; --net) missing.emplace_back(high, low);
+    for (; net < 0; ++net) missing.emplace_back(low, high);
+  });
+  return missing;
+}
+
 UnionFind::UnionFind(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
 
 std::uint32_t UnionFind::find(std::uint32_t i) {

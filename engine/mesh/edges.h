@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace voidpath::mesh {
@@ -49,6 +50,9 @@ class EdgeTable {
 
   /// Sides used by one facet.
   std::vector<std::uint32_t> open_slots() const;
+  /// The directed edges (from, to) missing for every edge to be walked as often one way as the other. They
+  /// always make up rings. None are missing in a mesh that bounds a solid.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> missing_sides(const TriangleMesh& mesh) const;
 
  private:
   std::vector<std::uint32_t> begin_;  ///< of each low vertex in uses_

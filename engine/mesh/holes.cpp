@@ -18,24 +18,25 @@ constexpr std::size_t kMaxRing = 5000;
 
 using Ring = std::vector<std::uint32_t>;
 
-/// The open sides, walked against their facets' sense, cut into rings that pass no vertex twice.
-/// Sides that lead nowhere are left out.
-std::vector<Ring> open_rings(const TriangleMesh& mesh, const std::vector<std::uint32_t>& slots) {
-  std::unordered_multimap<std::uint32_t, std::uint32_t> next;
-  for (const std::uint32_t slot : slots) next.emplace(edge_end(mesh, slot), edge_begin(mesh, slot));
+using Side = std::pair<std::uint32_t, std::uint32_t>;
+
+/// Cuts directed sides into rings that pass no vertex twice.
+std::vector<Ring> rings_of(const std::vector<Side>& sides) {
+  std::unordered_multimap<std::uint32_t, std::uint32_t> next(sides.begin(), sides.end());
   std::vector<Ring> rings;
   std::unordered_map<std::uint32_t, std::size_t> at;  // vertex to its place in the path
   Ring path;
-  for (const std::uint32_t slot : slots) {
+  for (const Side& side : sides) {
     path.clear();
     at.clear();
-    std::uint32_t v = edge_end(mesh, slot);
+    std::uint32_t v = side.first;
     for (;;) {
       const auto seen = at.find(v);
       if (seen != at.end()) {
         const std::size_t from = seen->second;
-        if (path.size() - from >= 3)
+        if (path.size() - from >= 3) {
           rings.emplace_back(path.begin() + static_cast<std::ptrdiff_t>(from), path.end());
+        }
         for (std::size_t i = from; i < path.size(); ++i) at.erase(path[i]);
         path.resize(from);
       }
@@ -81,9 +82,8 @@ void fill(TriangleMesh& mesh, const Ring& ring, HoleReport& report) {
 
 HoleReport fill_holes(TriangleMesh& mesh) {
   HoleReport report;
-  const EdgeTable edges(mesh);
-  const std::vector<std::uint32_t> slots = edges.open_slots();
-  if (slots.empty()) return report;
+  const std::vector<Side> missing = EdgeTable(mesh).missing_sides(mesh);
+  if (missing.empty()) return report;
   UnionFind shells(mesh.vertices.size());
   for (const Triangle& t : mesh.triangles) {
     shells.unite(t[0], t[1]);
@@ -94,7 +94,7 @@ HoleReport fill_holes(TriangleMesh& mesh) {
     const Vec3& a = mesh.vertices[t[0]];
     shell_area[shells.find(t[0])] += (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).norm();
   }
-  const std::vector<Ring> rings = open_rings(mesh, slots);
+  const std::vector<Ring> rings = rings_of(missing);
   for (const Ring& r : rings) lid_area[shells.find(r[0])] += ring_vector_area(points_of(mesh, r)).norm();
   for (const Ring& r : rings) {
     const std::uint32_t shell = shells.find(r[0]);

@@ -11,8 +11,8 @@ struct HoleReport {
   std::size_t triangles_added = 0;
 };
 
-/// Closes rings of open sides with facets, where their shell is more than an open sheet. The facets of a
-/// shell must agree.
+/// Closes with facets the rings of edges walked more often one way than the other, where their shell is more
+/// than an open sheet. The facets of a shell must agree.
 HoleReport fill_holes(TriangleMesh& mesh);
 
 }  // namespace voidpath::mesh

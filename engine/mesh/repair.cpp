@@ -8,6 +8,7 @@
 #include "engine/mesh/weld.h"
 
 #include <algorithm>
+#include <memory>
 
 namespace voidpath::mesh {
 
@@ -50,18 +51,41 @@ std::size_t drop_degenerate(TriangleMesh& mesh) {
   return count;
 }
 
+/// Takes back removals that would leave an edge unbalanced which was balanced before: there the duplicates
+/// stand for bodies that touch.
+void spare_balanced(const TriangleMesh& mesh, const EdgeTable& edges, std::vector<bool>& gone) {
+  for (bool spared = true; spared;) {
+    spared = false;
+    edges.for_each([&](std::uint32_t low, std::uint32_t, std::span<const EdgeUse> uses) {
+      int before = 0, after = 0;
+      for (const EdgeUse& u : uses) {
+        const int way = edge_begin(mesh, u.slot) == low ? 1 : -1;
+        before += way;
+        if (!gone[facet_of(u.slot)]) after += way;
+      }
+      if (before != 0 || after == 0) return;
+      for (const EdgeUse& u : uses) {
+        spared = spared || gone[facet_of(u.slot)];
+        gone[facet_of(u.slot)] = false;
+      }
+    });
+  }
+}
+
 std::size_t drop_duplicates(TriangleMesh& mesh) {
-  const Twins twins = find_twins(mesh, EdgeTable(mesh));
+  const EdgeTable edges(mesh);
+  const Twins twins = find_twins(mesh, edges);
   const auto reversed = std::count(twins.reversed.begin(), twins.reversed.end(), true);
   const bool two_sided =
       2 * static_cast<double>(reversed) >= kTwoSided * static_cast<double>(mesh.triangles.size());
   std::vector<bool> gone(mesh.triangles.size(), false);
-  std::size_t count = 0;
+  bool any = false;
   for (std::uint32_t f = 0; f < gone.size(); ++f) {
-    if (twins.first[f] == f || (twins.reversed[f] && !two_sided)) continue;
-    gone[f] = true;
-    ++count;
+    gone[f] = twins.first[f] != f && (two_sided || !twins.reversed[f]);
+    any = any || gone[f];
   }
+  if (any && !two_sided) spare_balanced(mesh, edges, gone);
+  const auto count = static_cast<std::size_t>(std::count(gone.begin(), gone.end(), true));
   if (count > 0) keep(mesh, gone);
   return count;
 }
@@ -83,19 +107,40 @@ void turn(TriangleMesh& mesh, const Orientation& o, RepairReport& r) {
   if (o.faces_flipped + o.shells_inverted > 0) apply(o, mesh);
 }
 
-/// Whether anything changed.
-bool repair_once(TriangleMesh& mesh, RepairReport& total) {
-  RepairReport r;
+/// Every edge is walked as often one way as the other and no facet is there twice: what remains to be asked
+/// is which way the shells look.
+bool is_closed(const TriangleMesh& mesh, const EdgeTable& edges) {
+  if (std::any_of(mesh.triangles.begin(), mesh.triangles.end(), has_repeated_corner)) return false;
+  if (!edges.missing_sides(mesh).empty()) return false;
+  const Twins twins = find_twins(mesh, edges);
+  for (std::uint32_t f = 0; f < twins.first.size(); ++f) {
+    if (twins.first[f] != f) return false;
+  }
+  return true;
+}
+
+void close(TriangleMesh& mesh, RepairReport& r) {
   r.degenerate_removed += drop_degenerate(mesh);
   r.duplicates_removed += drop_duplicates(mesh);
   close_gaps(mesh, r);
-  if (has_open_sides(mesh)) {
-    turn(mesh, agree_in_patches(mesh, EdgeTable(mesh)), r);
-    const HoleReport holes = fill_holes(mesh);
-    r.holes_filled += holes.holes_filled;
-    r.triangles_added += holes.triangles_added;
+  if (EdgeTable(mesh).missing_sides(mesh).empty()) return;
+  turn(mesh, agree_in_patches(mesh, EdgeTable(mesh)), r);
+  const HoleReport holes = fill_holes(mesh);
+  r.holes_filled += holes.holes_filled;
+  r.triangles_added += holes.triangles_added;
+}
+
+/// Whether anything changed.
+bool repair_once(TriangleMesh& mesh, RepairReport& total) {
+  RepairReport r;
+  auto edges = std::make_unique<EdgeTable>(mesh);
+  if (!is_closed(mesh, *edges)) {
+    edges.reset();  // not two at a time: it is as large as the mesh
+    close(mesh, r);
+    edges = std::make_unique<EdgeTable>(mesh);
   }
-  turn(mesh, solve_orientation(mesh, EdgeTable(mesh)), r);
+  turn(mesh, solve_orientation(mesh, *edges), r);
+  total.open_edges_left = edges->open_slots().size();  // turning facets opens none
   if (r.changed()) drop_unused_vertices(mesh);
   total.vertices_merged += r.vertices_merged;
   total.degenerate_removed += r.degenerate_removed;
@@ -117,7 +162,6 @@ RepairReport repair(TriangleMesh& mesh) {
   RepairReport report;
   for (int round = 0; round < kMaxRounds && repair_once(mesh, report); ++round) {
   }
-  report.open_edges_left = EdgeTable(mesh).open_slots().size();
   return report;
 }
 

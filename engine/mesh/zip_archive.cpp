@@ -12,7 +12,7 @@ namespace {
 
 /// Model text packs to a tenth or so; beyond this ratio, in parts of more than kRatioFrom bytes, an archive
 /// is made to exhaust its reader.
-constexpr std::size_t kMaxRatio = 200;
+constexpr std::size_t kMaxRatio = 100;
 constexpr std::size_t kRatioFrom = std::size_t{32} << 20;
 constexpr int kIgnoreCase = 2;
 
