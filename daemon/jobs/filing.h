@@ -1,0 +1,26 @@
+#pragma once
+
+#include "daemon/jobs/job.h"
+#include "daemon/json/json.h"
+
+#include <filesystem>
+#include <string>
+
+namespace voidpath::daemon {
+
+/// One row of the history, with the fields that `voidpath history --json` promises.
+Json history_json(const PrintRecord& record);
+/// The same, one line of CSV; and its header.
+std::string history_csv(const PrintRecord& record);
+std::string history_csv_header();
+
+/// Moves the job's input to `done` or `failed` inside its watched folder, if it is still the file that was
+/// taken in, and writes NAME.report.json and NAME.report.txt there. An input that was moved before, by a
+/// run that ended there, is found again. Names that are taken get a number. Updates job.location.
+/// Throws std::filesystem::filesystem_error, std::runtime_error.
+void file_input(Job& job, const std::string& subfolder, const PrintRecord& record);
+
+/// `wanted`, or with a number before its extension when that is taken.
+std::filesystem::path free_name(const std::filesystem::path& wanted);
+
+}  // namespace voidpath::daemon

@@ -1,0 +1,166 @@
+#include "daemon/jobs/printer.h"
+
+#include <utility>
+
+namespace voidpath::daemon {
+namespace {
+
+/// How often a clock file or port that cannot be opened is tried again, s.
+constexpr double kRetry_s = 1.0;
+
+bool ends_print(const fw::Event& event) {
+  return std::holds_alternative<fw::PrintFinished>(event.what) ||
+         std::holds_alternative<fw::PrintCancelled>(event.what) ||
+         std::holds_alternative<fw::PrintFailed>(event.what) ||
+         std::holds_alternative<fw::Disconnected>(event.what);
+}
+
+}  // namespace
+
+Printer::Printer(Executor& loop, config::PrinterConfig config, fw::PortOptions options, PortServices services,
+                 OnEvent on_event)
+    : loop_(loop),
+      config_(std::move(config)),
+      options_(std::move(options)),
+      services_(std::move(services)),
+      on_event_(std::move(on_event)) {}
+
+Printer::~Printer() {
+  loop_.cancel(retry_);
+  close();
+}
+
+void Printer::open() {
+  loop_.cancel(retry_);
+  auto inbox = std::make_shared<Inbox>();
+  const auto handler = [this, inbox](const fw::Event& event) {
+    bool post = false;
+    {
+      const std::lock_guard lock(inbox->mutex);
+      if (inbox->closed) return;
+      inbox->events.push_back(event);
+      post = !std::exchange(inbox->posted, true);
+    }
+    if (!post) return;
+    loop_.post([this, inbox] {
+      // A closed inbox may outlive its printer: `this` is only touched when it is open.
+      std::vector<fw::Event> events;
+      {
+        const std::lock_guard inner(inbox->mutex);
+        inbox->posted = false;
+        if (inbox->closed) return;
+        events.swap(inbox->events);
+      }
+      for (const auto& one : events) take(one);
+    });
+  };
+  try {
+    const auto clock = services_.open_clock(config_);
+    const auto clock_id = identify(config_.clock);
+    clock_inode_ = clock_id ? clock_id->inode : 0;
+    auto port = services_.open_port(options_, clock, handler);
+    const std::lock_guard lock(port_mutex_);
+    inbox_ = std::move(inbox);
+    port_ = std::move(port);
+    offline_reason_ = "not connected yet";
+  } catch (const std::exception& error) {
+    offline_reason_ = error.what();
+    retry_ = loop_.after(kRetry_s, [this] { open(); });
+  }
+}
+
+void Printer::close() {
+  if (inbox_) {
+    const std::lock_guard lock(inbox_->mutex);
+    inbox_->closed = true;
+    inbox_->events.clear();
+  }
+  std::unique_ptr<fw::PrinterPort> ending;
+  {
+    const std::lock_guard lock(port_mutex_);
+    ending = std::move(port_);
+  }
+  connected_ = false;
+  offline_reason_ = "closed";
+}
+
+void Printer::take(const fw::Event& event) {
+  if (const auto* up = std::get_if<fw::Connected>(&event.what)) {
+    connected_ = true;
+    offline_reason_.clear();
+    if (!up->firmware.name.empty()) memory.firmware = up->firmware.name;
+  } else if (const auto* down = std::get_if<fw::Disconnected>(&event.what)) {
+    connected_ = false;
+    offline_reason_ = down->reason;
+    temperatures_.clear();
+    watch_clock();
+  } else if (const auto* heat = std::get_if<fw::Temperatures>(&event.what)) {
+    for (const auto& [sensor, value] : heat->sensors) temperatures_[sensor] = value;
+  } else if (const auto* line = std::get_if<fw::LineDone>(&event.what)) {
+    position_ = line->file_position;
+  } else if (const auto* stats = std::get_if<fw::LinkStats>(&event.what)) {
+    link_ = *stats;
+  }
+  if (timer_) timer_->on(event);
+  const bool over = job_ && ends_print(event);
+  on_event_(*this, event);
+  if (over) {
+    job_.reset();
+    record.reset();
+    timer_.reset();
+  }
+}
+
+/// A mock that was started again publishes another clock file under the same name.
+void Printer::watch_clock() {
+  if (config_.clock.empty() || connected_) return;
+  loop_.cancel(retry_);
+  retry_ = loop_.after(kRetry_s, [this] {
+    if (connected_) return;
+    const auto now = identify(config_.clock);
+    if (now && now->inode != clock_inode_) {
+      close();
+      open();
+    } else {
+      watch_clock();
+    }
+  });
+}
+
+void Printer::start(JobId job, const std::filesystem::path& gcode, std::vector<gcode::LayerTime> layers) {
+  auto source = services_.open_source(gcode);
+  if (!port_) throw std::runtime_error(name() + " is not there: " + offline_reason_);
+  size_ = source->size();
+  position_ = 0;
+  link_ = {};
+  timer_.emplace(std::move(layers));
+  job_ = job;
+  port_->print(std::move(source));
+}
+
+void Printer::pause() {
+  if (port_) port_->pause();
+}
+
+void Printer::resume() {
+  if (port_) port_->resume();
+}
+
+void Printer::cancel(const std::string& reason) {
+  if (port_) port_->cancel(reason);
+}
+
+void Printer::command(const std::string& line) {
+  if (port_) port_->command(line);
+}
+
+std::vector<std::string> Printer::dialogue() const {
+  return port_ ? port_->dialogue() : std::vector<std::string>{};
+}
+
+void Printer::halt_now(const std::string& reason) noexcept {
+  const std::lock_guard lock(port_mutex_);
+  if (port_) port_->halt(reason);
+}
+
+}  // namespace voidpath::daemon

@@ -1,0 +1,123 @@
+#include "daemon/jobs/runner.h"
+#include "engine/calibrate/correction.h"
+
+#include <utility>
+
+/// What printers and the worker report, brought to the table.
+namespace voidpath::daemon {
+
+void Runner::on_printer_event(Printer& printer, const fw::Event& event) {
+  const auto job = printer.job();
+  const auto& what = event.what;
+  if (std::holds_alternative<fw::Connected>(what)) {
+    s_.log.info("connected", {{"printer", printer.name()}, {"firmware", printer.memory.firmware}});
+    try {
+      s_.store.save_printer(printer.name(), printer.memory);
+    } catch (const StoreError& error) {
+      s_.log.error("store", {{"reason", error.what()}});
+    }
+    want_schedule();
+  } else if (const auto* down = std::get_if<fw::Disconnected>(&what)) {
+    s_.log.warning("disconnected", {{"printer", printer.name()}, {"reason", down->reason}});
+  } else if (const auto* message = std::get_if<fw::Message>(&what)) {
+    s_.log.info("printer", {{"printer", printer.name()}, {"text", message->text}});
+  } else if (const auto* stats = std::get_if<fw::LinkStats>(&what)) {
+    s_.log.info("stats", {{"printer", printer.name()},
+                          {"lines", std::to_string(stats->lines_sent)},
+                          {"resends", std::to_string(stats->resends)},
+                          {"bytes", std::to_string(stats->bytes_sent)},
+                          {"window", std::to_string(stats->window_bytes)}});
+  }
+  changed();
+  if (!job) return;
+  if (std::holds_alternative<fw::MotionStarted>(what)) {
+    happen(*job, Event::motion);
+  } else if (const auto* paused = std::get_if<fw::Paused>(&what)) {
+    const std::string why =
+        paused->reason.empty() ? paused->by_printer ? "paused by the printer" : "" : paused->reason;
+    happen(*job, Event::printer_paused, [&](Job& j) { j.message = why; });
+  } else if (std::holds_alternative<fw::Resumed>(what)) {
+    happen(*job, Event::printer_resumed, [](Job& j) { j.message.clear(); });
+  } else {
+    on_print_end(printer, event);
+  }
+}
+
+void Runner::on_print_end(Printer& printer, const fw::Event& event) {
+  const JobId id = *printer.job();
+  const auto found = jobs_.find(id);
+  const bool finished = std::holds_alternative<fw::PrintFinished>(event.what);
+  const auto* failed = std::get_if<fw::PrintFailed>(&event.what);
+  const auto* down = std::get_if<fw::Disconnected>(&event.what);
+  const bool cancelled = std::holds_alternative<fw::PrintCancelled>(event.what);
+  if (!finished && !failed && !down && !cancelled) return;
+  if (found != jobs_.end()) {
+    const Job& job = found->second;
+    if (finished) {
+      const bool last = job.copies_done + 1 >= job.copies;
+      happen(id, last ? Event::finished_last : Event::finished_copy, [](Job& j) {
+        ++j.copies_done;
+        j.message = j.copies > 1 ? "copy " + std::to_string(j.copies_done) + " of " +
+                                       std::to_string(j.copies) + " printed"
+                                 : std::string();
+      });
+    } else if (cancelled) {
+      happen(id, Event::print_cancelled);
+    } else {
+      const std::string why =
+          failed ? failed->reason : "the connection to the printer was lost: " + down->reason;
+      happen(id, Event::print_failed, [&](Job& j) {
+        if (j.state != State::cancelling) j.message = why;
+      });
+    }
+  }
+  // The printer counts as busy until this event has been dealt with.
+  s_.loop.post([this, alive = alive_] {
+    if (!*alive) return;
+    check_shutdown();
+    want_schedule();
+  });
+}
+
+void Runner::correct(const Job& job, JobFacts& facts) {
+  const Printer* printer = find_printer(job.printer);
+  const std::string firmware = printer ? printer->memory.firmware : std::string();
+  const auto fit =
+      calibrate::fit_correction(s_.store.observations(job.printer, facts.profile_sha256, firmware));
+  if (!fit) return;
+  facts.predicted_s = facts.predicted_raw_s * fit->factor;
+  if (facts.as_delivered_s) *facts.as_delivered_s *= fit->factor;
+}
+
+void Runner::on_prepared(JobId id, PrepareResult result) {
+  preparing_ = {};
+  changed();
+  want_schedule();
+  const auto found = jobs_.find(id);
+  if (found == jobs_.end() || found->second.state != State::preparing) return;  // cancelled meanwhile
+  switch (result.kind) {
+    case PrepareResult::Kind::prepared:
+      happen(id, Event::prepared, [&](Job& job) {
+        job.facts = std::move(result.facts);
+        job.copies = result.copies;
+        job.message = job.facts.why;
+        correct(job, job.facts);
+      });
+      break;
+    case PrepareResult::Kind::failed:
+      happen(id, Event::prepare_failed, [&](Job& job) {
+        job.facts = std::move(result.facts);
+        job.message = result.message;
+      });
+      break;
+    case PrepareResult::Kind::unsettled:
+      happen(id, Event::input_changed, [](Job& job) { job.message = "the file is still being written"; });
+      s_.settler.note(found->second.location, s_.loop.now_s());
+      break;
+    case PrepareResult::Kind::stopped:
+      happen(id, Event::input_changed);
+      break;
+  }
+}
+
+}  // namespace voidpath::daemon

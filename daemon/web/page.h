@@ -1,0 +1,8 @@
+#pragma once
+
+namespace voidpath::daemon {
+
+/// The text of status_page.html.
+extern const char* const kStatusPage;
+
+}  // namespace voidpath::daemon
