@@ -1,6 +1,7 @@
 #include "engine/geom/polygon_ops.h"
 
 #include "engine/geom/nesting.h"
+#include "engine/geom/offset_ring.h"
 #include "engine/geom/predicates.h"
 
 #include <algorithm>
@@ -15,10 +16,13 @@ namespace {
 
 namespace cl = ClipperLib;
 
-/// How far a round join may stray from its arc, nm: below a printer's finest step. Clipper rounds the
-/// number of chords in a join, so one may be up to 1.5 times as long as asked for; its sagitta grows
-/// with the square of that.
-constexpr double kArcToleranceNm = 5000 / (1.5 * 1.5);
+/// How far a round join may stray from its arc, nm: below a printer's finest step.
+constexpr double kArcToleranceNm = 5000;
+/// Clipper rounds the number of chords in a join, so one may be up to 1.5 times as long as asked for; its
+/// sagitta grows with the square of that.
+constexpr double kClipperArcSlack = 1.5 * 1.5;
+/// Clipper knows no smaller one.
+constexpr double kLeastMiterLimit = 2;
 
 cl::Path to_clipper(const Ring& ring) {
   cl::Path path;
@@ -78,40 +82,58 @@ std::vector<Box> boxes_of(const Regions& regions) {
   return boxes;
 }
 
-/// Which of the boxes meet at least one of the others'.
-std::vector<char> met(const std::vector<Box>& boxes, const std::vector<Box>& others) {
-  std::vector<char> hit(boxes.size(), 0);
-  for (std::size_t i = 0; i < boxes.size(); ++i)
-    hit[i] = std::any_of(others.begin(), others.end(), [&](const Box& o) { return overlap(boxes[i], o); });
-  return hit;
-}
+/// How a region takes part in an operation on two sets.
+enum class Part : char {
+  apart,   ///< its box meets none of the other set's
+  common,  ///< it is in the other set unchanged; whatever else is in either set lies outside of it
+  mixed
+};
 
-/// Only regions whose boxes meet go through the clipper; the others are in the result as they are or not
-/// at all.
-Regions combine(const Regions& a, const Regions& b, cl::ClipType type) {
+struct Parts {
+  std::vector<Part> a;
+  std::vector<Part> b;
+};
+
+Parts parts_of(const Regions& a, const Regions& b) {
   const std::vector<Box> boxes_a = boxes_of(a);
   const std::vector<Box> boxes_b = boxes_of(b);
-  const std::vector<char> hit_a = met(boxes_a, boxes_b);
-  const std::vector<char> hit_b = met(boxes_b, boxes_a);
+  Parts parts{std::vector<Part>(a.size(), Part::apart), std::vector<Part>(b.size(), Part::apart)};
+  for (std::size_t i = 0; i < a.size(); ++i)
+    for (std::size_t k = 0; k < b.size(); ++k) {
+      if (!overlap(boxes_a[i], boxes_b[k])) continue;
+      if (parts.a[i] != Part::common && parts.b[k] != Part::common)
+        parts.a[i] = parts.b[k] = boxes_a[i] == boxes_b[k] && a[i] == b[k] ? Part::common : Part::mixed;
+      if (parts.a[i] == Part::apart) parts.a[i] = Part::mixed;
+      if (parts.b[k] == Part::apart) parts.b[k] = Part::mixed;
+    }
+  return parts;
+}
+
+/// Only regions that may truly meet go through the clipper; the others are in the result as they are or
+/// not at all.
+Regions combine(const Regions& a, const Regions& b, cl::ClipType type) {
+  const Parts parts = parts_of(a, b);
   Regions out;
   cl::Clipper clipper;
-  bool any = false;
+  bool any_a = false;
+  bool any_b = false;
   for (std::size_t i = 0; i < a.size(); ++i) {
-    if (hit_a[i]) {
+    if (parts.a[i] == Part::mixed) {
       add(clipper, a[i], cl::ptSubject);
-      any = true;
-    } else if (type != cl::ctIntersection) {
+      any_a = true;
+    } else if (type == cl::ctUnion || (type == cl::ctIntersection) == (parts.a[i] == Part::common)) {
       out.push_back(a[i]);
     }
   }
   for (std::size_t i = 0; i < b.size(); ++i) {
-    if (hit_b[i]) {
+    if (parts.b[i] == Part::mixed) {
       add(clipper, b[i], cl::ptClip);
-    } else if (type == cl::ctUnion) {
+      any_b = true;
+    } else if (type == cl::ctUnion && parts.b[i] == Part::apart) {
       out.push_back(b[i]);
     }
   }
-  if (!any) return out;
+  if (!any_a && (!any_b || type != cl::ctUnion)) return out;
   cl::PolyTree tree;
   clipper.Execute(type, tree, cl::pftPositive, cl::pftPositive);
   append_regions(tree, out);
@@ -128,6 +150,52 @@ cl::JoinType join_type(Join join) {
       break;
   }
   return cl::jtMiter;
+}
+
+Regions clipper_offset(const Regions& regions, Coord delta, const OffsetStyle& style) {
+  cl::ClipperOffset offsetter(style.miter_limit, style.arc_tolerance_nm / kClipperArcSlack);
+  for (const Region& r : regions) {
+    offsetter.AddPath(to_clipper(r.outer), join_type(style.join), cl::etClosedPolygon);
+    for (const Ring& hole : r.holes)
+      offsetter.AddPath(to_clipper(hole), join_type(style.join), cl::etClosedPolygon);
+  }
+  cl::PolyTree tree;
+  offsetter.Execute(tree, static_cast<double>(delta));
+  Regions out;
+  append_regions(tree, out);
+  return out;
+}
+
+/// One ring's offset by itself, with the ring's own sense.
+void append_clipper_offset(const Ring& ring, Coord delta, const OffsetStyle& style, Rings& out) {
+  const bool is_hole = area(ring) < 0;
+  Region alone{ring, {}};
+  if (is_hole) reverse(alone.outer);
+  for (Ring& r : rings_of(clipper_offset({alone}, is_hole ? -delta : delta, style))) {
+    if (is_hole) reverse(r);
+    out.push_back(std::move(r));
+  }
+}
+
+/// Offsets every ring by itself. Where no two of the results touch, their winding tells what is filled: a
+/// shrunk area is its shrunk outer ring less its grown holes, grown areas unite. Nothing otherwise.
+std::optional<Regions> offset_ring_by_ring(const Regions& regions, Coord delta, const OffsetStyle& style) {
+  Rings moved;
+  Rings hard;
+  for (const Region& r : regions) {
+    auto take = [&](const Ring& ring) {
+      if (std::optional<Ring> m = offset_ring(ring, delta, style))
+        moved.push_back(*std::move(m));
+      else
+        hard.push_back(ring);
+    };
+    take(r.outer);
+    std::for_each(r.holes.begin(), r.holes.end(), take);
+  }
+  // All hard: ring by ring would only be slower.
+  if (moved.empty() || (!hard.empty() && any_edges_touch(moved))) return std::nullopt;
+  for (const Ring& ring : hard) append_clipper_offset(ring, delta, style, moved);
+  return nest_if_disjoint(moved, FillRule::positive);
 }
 
 }  // namespace
@@ -148,18 +216,10 @@ Regions subtract(const Regions& from, const Regions& what) { return combine(from
 Regions intersect(const Regions& a, const Regions& b) { return combine(a, b, cl::ctIntersection); }
 
 Regions offset(const Regions& regions, Coord delta, Join join, double miter_limit) {
-  if (delta == 0) return regions;
-  cl::ClipperOffset offsetter(miter_limit, kArcToleranceNm);
-  for (const Region& r : regions) {
-    offsetter.AddPath(to_clipper(r.outer), join_type(join), cl::etClosedPolygon);
-    for (const Ring& hole : r.holes)
-      offsetter.AddPath(to_clipper(hole), join_type(join), cl::etClosedPolygon);
-  }
-  cl::PolyTree tree;
-  offsetter.Execute(tree, static_cast<double>(delta));
-  Regions out;
-  append_regions(tree, out);
-  return out;
+  if (delta == 0 || regions.empty()) return regions;
+  const OffsetStyle style{join, std::max(miter_limit, kLeastMiterLimit), kArcToleranceNm};
+  if (std::optional<Regions> direct = offset_ring_by_ring(regions, delta, style)) return *std::move(direct);
+  return clipper_offset(regions, delta, style);
 }
 
 Regions open(const Regions& regions, Coord radius, Join join) {

@@ -5,7 +5,10 @@
 /// Boolean operations and offsets on filled areas, on integer nanometres. Results are regions with
 /// outer rings counter-clockwise and holes clockwise, in an order that depends on the input alone.
 /// Backed by libpolyclipping (Vatti 1992); coordinates must lie within ±1.07 m.
-/// No function here throws on well-formed input; all may be called from any thread.
+/// Regions given must be well-formed: disjoint, with rings that run as said above.
+/// No function here throws on such input; all may be called from any thread.
+/// Speed: work that boxes, equal regions or rings that do not touch can settle never reaches the clipper.
+/// Outlines of many short edges are slow to offset by more than those edges' length: simplify them first.
 namespace voidpath::geom {
 
 enum class FillRule {
@@ -23,7 +26,7 @@ Regions subtract(const Regions& from, const Regions& what);
 Regions intersect(const Regions& a, const Regions& b);
 
 /// Grows (delta > 0) or shrinks (delta < 0) by |delta| nm. A miter longer than `miter_limit` × |delta|
-/// is squared off; round joins keep to 5 µm of the arc.
+/// (2 at least) is squared off at |delta|; round joins keep to 5 µm of the arc.
 Regions offset(const Regions& regions, Coord delta, Join join = Join::miter, double miter_limit = 2.0);
 /// Shrink then grow: what is thinner than 2·radius goes.
 Regions open(const Regions& regions, Coord radius, Join join = Join::miter);
@@ -31,7 +34,8 @@ Regions open(const Regions& regions, Coord radius, Join join = Join::miter);
 Regions close(const Regions& regions, Coord radius, Join join = Join::miter);
 
 /// The parts of open lines that lie inside (or outside) the regions. Pieces keep the direction of their
-/// line; they are returned in the order of the lines.
+/// line; they are returned in the order of the lines. A stretch along a border is inside or outside as a
+/// whole; inside and outside add up to the line.
 Polylines clip_inside(const Polylines& lines, const Regions& regions);
 Polylines clip_outside(const Polylines& lines, const Regions& regions);
 

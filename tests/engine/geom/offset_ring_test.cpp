@@ -1,0 +1,133 @@
+#include "engine/geom/offset_ring.h"
+
+#include "engine/geom/nesting.h"
+#include "engine/geom/svg.h"
+
+#include <cmath>
+#include <random>
+
+#include <catch2/catch.hpp>
+
+namespace voidpath::geom {
+
+namespace {
+
+constexpr Coord kMm = 1'000'000;
+
+Regions blob(std::mt19937& random, Point centre, double radius_mm, int points, double roughness) {
+  std::uniform_real_distribution<double> any(1 - roughness, 1.0);
+  Ring ring;
+  for (int i = 0; i < points; ++i) {
+    const double a = 2 * M_PI * i / points;
+    const double r = radius_mm * 1e6 * any(random);
+    ring.push_back({centre.x + std::llround(r * std::cos(a)), centre.y + std::llround(r * std::sin(a))});
+  }
+  return {{ring, {}}};
+}
+
+/// Nearest distance from p to any edge of the regions, nm.
+double distance_to_border(const Regions& regions, const Point& p) {
+  double best = 1e300;
+  for (const Ring& ring : rings_of(regions))
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const Point& a = ring[i];
+      const Point& b = ring[(i + 1) % ring.size()];
+      const double dx = static_cast<double>(b.x - a.x);
+      const double dy = static_cast<double>(b.y - a.y);
+      const double px = static_cast<double>(p.x - a.x);
+      const double py = static_cast<double>(p.y - a.y);
+      const double t = std::clamp((px * dx + py * dy) / std::max(dx * dx + dy * dy, 1.0), 0.0, 1.0);
+      best = std::min(best, std::hypot(px - t * dx, py - t * dy));
+    }
+  return best;
+}
+
+bool is_in(const Regions& regions, const Point& p) {
+  return std::any_of(regions.begin(), regions.end(), [&](const Region& r) { return contains(r, p); });
+}
+
+}  // namespace
+
+TEST_CASE("a ring's offset is known where no edge vanishes, refused where one does") {
+  const OffsetStyle miter;
+  const Ring square = make_rectangle({0, 0}, {kMm, kMm});
+  CHECK(offset_ring(square, 100, miter) == make_rectangle({-100, -100}, {kMm + 100, kMm + 100}));
+  CHECK(offset_ring(square, -100, miter) == make_rectangle({100, 100}, {kMm - 100, kMm - 100}));
+  CHECK_FALSE(offset_ring(square, -kMm / 2, miter).has_value());
+  CHECK_FALSE(offset_ring(square, -kMm, miter).has_value());
+  // A notch of 0.2 mm closes when the outline grows by more than half of that.
+  const Ring notched{
+      {0, 0},         {kMm, 0}, {kMm, kMm}, {600'000, kMm}, {600'000, 500'000}, {400'000, 500'000},
+      {400'000, kMm}, {0, kMm}};
+  CHECK(offset_ring(notched, 90'000, miter).has_value());
+  CHECK_FALSE(offset_ring(notched, 110'000, miter).has_value());
+  // Clockwise rings are holes: growing the area shrinks them.
+  Ring hole = square;
+  reverse(hole);
+  const auto smaller = offset_ring(hole, 100, miter);
+  REQUIRE(smaller.has_value());
+  CHECK(area(*smaller) == -(1e6 - 200) * (1e6 - 200));
+  CHECK_FALSE(offset_ring({{0, 0}, {kMm, 0}, {0, 0}}, 100, miter).has_value());
+  CHECK_FALSE(offset_ring({{0, 0}, {kMm, 0}}, 100, miter).has_value());
+}
+
+TEST_CASE("offsets are where the distance says they are") {
+  std::mt19937 random(31);
+  std::size_t probes = 0;
+  int direct = 0;
+  int refused = 0;
+  for (int round = 0; round < 60; ++round) {
+    // A body with holes and a neighbour; rough ones lose edges, smooth ones do not, some touch.
+    const double roughness = 0.05 * (round % 7);
+    Regions r =
+        subtract(blob(random, {0, 0}, 20, 40, roughness), blob(random, {-8 * kMm, 0}, 5, 16, roughness));
+    r = subtract(r, blob(random, {7 * kMm, kMm}, 6, 24, roughness));
+    r = unite(r, blob(random, {30 * kMm, 0}, 9, 20, roughness));
+    for (const Coord delta : {kMm / 5, -kMm / 5, 6 * kMm / 5, -6 * kMm / 5, -3 * kMm}) {
+      const Regions moved = offset(r, delta, Join::round);
+      ++(offset_ring(r[0].outer, delta, {Join::round, 2, 5000}) ? direct : refused);
+      std::uniform_int_distribution<Coord> x(-25 * kMm, 45 * kMm);
+      std::uniform_int_distribution<Coord> y(-25 * kMm, 25 * kMm);
+      for (int i = 0; i < 200; ++i) {
+        const Point p{x(random), y(random)};
+        const double depth = (is_in(r, p) ? 1 : -1) * distance_to_border(r, p) + static_cast<double>(delta);
+        // Nearer to the border than arcs are exact, nothing is said.
+        if (std::abs(depth) < 5100) continue;
+        ++probes;
+        INFO(Svg().add(r, "grey").add(moved).add(p).str());
+        REQUIRE(is_in(moved, p) == (depth > 0));
+      }
+    }
+  }
+  CHECK(probes > 50'000);
+  // Both ways were taken.
+  CHECK(direct > 50);
+  CHECK(refused > 50);
+}
+
+TEST_CASE("mitered and squared offsets agree with the clipper's") {
+  std::mt19937 random(41);
+  for (int round = 0; round < 80; ++round) {
+    const double roughness = 0.02 * (round % 10);
+    Regions r =
+        subtract(blob(random, {0, 0}, 20, 30, roughness), blob(random, {-8 * kMm, 0}, 5, 16, roughness));
+    for (const Join join : {Join::miter, Join::square})
+      for (const Coord delta : {kMm / 5, -kMm / 5, kMm, -kMm}) {
+        // Two crossing squares far off send everything through the clipper.
+        const Regions moved = offset(r, delta, join);
+        Regions with_bow = r;
+        Ring far = make_rectangle({100 * kMm, 0}, {100 * kMm + 100, 100});
+        with_bow.push_back({far, {}});
+        with_bow.push_back({make_rectangle({100 * kMm + 50, 50}, {100 * kMm + 400, 400}), {}});
+        Regions clipped = offset(with_bow, delta, join);
+        std::erase_if(clipped, [&](const Region& x) { return x.outer.front().x > 50 * kMm; });
+        double border = 0;
+        for (const Ring& ring : rings_of(moved)) border += perimeter(ring) + 1;
+        CHECK(std::abs(area(moved) - area(clipped)) <= 2 * border);
+        CHECK(area(subtract(moved, clipped)) <= 2 * border);
+        CHECK(area(subtract(clipped, moved)) <= 2 * border);
+      }
+  }
+}
+
+}  // namespace voidpath::geom
