@@ -25,9 +25,8 @@ constexpr float kMostFeed_v = 1e6F;
 
 std::int32_t to_step(float position_d, float steps_per_d) {
   const float steps = position_d * steps_per_d;
-  if (!(std::abs(steps) < kMaxSteps))
-    return steps > 0 ? static_cast<std::int32_t>(kMaxSteps) : -static_cast<std::int32_t>(kMaxSteps);
-  return static_cast<std::int32_t>(std::lround(steps));
+  if (std::isnan(steps)) return 0;
+  return static_cast<std::int32_t>(std::lround(std::clamp(steps, -kMaxSteps, kMaxSteps)));
 }
 
 AxisFloats to_floats(const PerAxis& values) {
@@ -124,6 +123,7 @@ bool Planner::queue(const Move& move, const Chord& chord) {
 
 void Planner::plan_speed(Block& block, float feed_v, AxisTravel& travel) const {
   const double floor_v = block.steps[kE] != 0 ? limits_.min_speed_mm_s : limits_.min_travel_speed_mm_s;
+  if (std::isnan(feed_v)) feed_v = 0;
   feed_v = std::clamp(std::max(feed_v, static_cast<float>(floor_v)), kLeastFeed_v, kMostFeed_v);
   const float per_d = 1.0F / block.length_d;
   float per_t = feed_v * per_d;

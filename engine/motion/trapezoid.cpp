@@ -171,19 +171,17 @@ double stepped_seconds_by_loop(const StepProfile& p) {
 
 double ideal_seconds(double length_d, double entry_v, double nominal_v, double exit_v, double accel_a) {
   entry_v = std::min(entry_v, nominal_v);
-  const double reach_v2 = entry_v * entry_v + 2 * accel_a * length_d;
-  exit_v = std::min({exit_v, nominal_v, std::sqrt(reach_v2)});
-  // Where up and down ramps meet: v² = (v₀² + v₁²)/2 + a·L.
-  const double peak_v = std::sqrt((entry_v * entry_v + exit_v * exit_v) / 2 + accel_a * length_d);
-  // An entry too fast for the length to brake from keeps its speed change and loses the exit speed.
-  const double floor_v = std::max(entry_v, exit_v);
-  const double top_v = std::clamp(peak_v, floor_v, std::max(floor_v, nominal_v));
-  const double ramps_d = (2 * top_v * top_v - entry_v * entry_v - exit_v * exit_v) / (2 * accel_a);
-  if (ramps_d > length_d) {  // brakes all the way, to the speed it can reach
-    const double end_v = std::sqrt(std::max(0.0, entry_v * entry_v - 2 * accel_a * length_d));
-    return 2 * length_d / (entry_v + end_v);
+  const double entry_v2 = entry_v * entry_v;
+  const double gain_v2 = 2 * accel_a * length_d;
+  exit_v = std::min({exit_v, nominal_v, std::sqrt(entry_v2 + gain_v2)});
+  const double exit_v2 = exit_v * exit_v;
+  if (entry_v2 - gain_v2 >= exit_v2) {  // brakes all the way, to the speed it can reach
+    return 2 * length_d / (entry_v + std::sqrt(entry_v2 - gain_v2));
   }
-  return (2 * top_v - entry_v - exit_v) / accel_a + (length_d - ramps_d) / top_v;
+  // Where up and down ramps meet: v² = (v₀² + v₁²)/2 + a·L.
+  const double top_v = std::min(nominal_v, std::sqrt((entry_v2 + exit_v2 + gain_v2) / 2));
+  const double ramps_d = (2 * top_v * top_v - entry_v2 - exit_v2) / (2 * accel_a);
+  return (2 * top_v - entry_v - exit_v) / accel_a + std::max(0.0, length_d - ramps_d) / top_v;
 }
 
 double block_seconds(const Block& block, float entry_v, float exit_v, Stepping stepping) {
