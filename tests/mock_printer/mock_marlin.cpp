@@ -1,7 +1,6 @@
 #include "tests/mock_printer/mock_marlin.h"
 
 #include <algorithm>
-#include <charconv>
 
 namespace voidpath::test::mock {
 namespace {
@@ -10,15 +9,6 @@ constexpr HeaterGuard kHotendGuard{40, 2, 40, 4};
 constexpr HeaterGuard kBedGuard{60, 2, 20, 2};
 
 }  // namespace
-
-std::string fixed(double value, int decimals) {
-  char text[64];
-  const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::fixed, decimals).ptr;
-  std::string result(text, end);
-  // A rounded-off negative is zero.
-  if (result.front() == '-' && result.find_first_not_of("-0.") == result.npos) result.erase(0, 1);
-  return result;
-}
 
 MockMarlin::MockMarlin(const Options& options)
     : options_(options),
@@ -64,12 +54,6 @@ void MockMarlin::reset() {
   write(options_.dialect.banner);
 }
 
-std::optional<double> MockMarlin::take_unplug() {
-  const auto seconds = unplug_;
-  unplug_.reset();
-  return seconds;
-}
-
 void MockMarlin::feed(std::string_view bytes) {
   if (options_.baud > 0 || options_.round_trip_s > 0) {
     wire_in_.send(now_, bytes);
@@ -102,6 +86,8 @@ void MockMarlin::receive(char byte) {
     }
     if (ring_.full()) process();
     if (!ring_.push(c)) ++totals_.bytes_dropped;
+    // Line by line, so that it makes no difference in what pieces the bytes come.
+    if (c == '\n' || c == '\r') process();
   }
 }
 
@@ -240,7 +226,7 @@ void MockMarlin::handle_result(const LineResult& result) {
     // Without an emergency parser these act when they are read, if they came without a number.
     if (!options_.emergency_parser && !accepted.number) emergency(accepted.text);
     if (halted_) return;
-    queue_.push_back({accepted.text, accepted.number});
+    queue_.push_back({accepted.text, accepted.number, false});
     if (options_.dialect.ok_at_enqueue) send_ok("");
   }
 }
@@ -252,24 +238,23 @@ void MockMarlin::emergency(std::string_view line) {
     halt_with("echo:M112 Shutdown\n");
   } else if (command.is('M', 108)) {
     heat_wait_ = user_wait_ = false;
+  } else if (command.is('M', 876) && options_.emergency_parser) {
+    user_wait_ = false;
   } else if (command.is('M', 410)) {
-    motion_.quick_stop(now_);
-    position_ = motion_.planner().position();
+    quick_stop();
   }
 }
 
-void MockMarlin::refuse(const RefusedLine& refused) {
-  ++totals_.resends;
-  ring_.clear();
-  protocol_.drop_partial();
-  write_line(options_.dialect.error_prefix + refused.error);
-  write_line(options_.dialect.resend_prefix + std::to_string(refused.resend));
-  if (options_.dialect.resend_ok && !faults_.resend_lacks_ok()) send_ok("");
+/// Motion ends here and now; what the executing command still wanted to move is forgotten with it.
+void MockMarlin::quick_stop() {
+  motion_.quick_stop(now_);
+  position_ = motion_.planner().position();
+  for (std::size_t i = task_; i < tasks_.size(); ++i)
+    if (tasks_[i].kind == Task::Kind::kMove) tasks_[i] = {.kind = Task::Kind::kCall};
 }
 
 void MockMarlin::begin_command() {
   executing_ = true;
-  plain_ok_ = true;
   ok_tail_.clear();
   tasks_.clear();
   task_ = 0;
@@ -280,8 +265,10 @@ void MockMarlin::begin_command() {
     tasks_.push_back({.kind = Task::Kind::kDwell, .seconds = slow_s_});
   }
   const Command command(queue_.front().text);
-  ++totals_.commands;
-  if (log_) log_(command.text());
+  if (!queue_.front().own) {
+    ++totals_.commands;
+    if (log_) log_(command.text());
+  }
   execute(command);
 }
 
@@ -337,140 +324,22 @@ bool MockMarlin::task_done(Task& task) {
 void MockMarlin::finish_command() {
   executing_ = false;
   task_until_ = -1;
-  if (plain_ok_ && !options_.dialect.ok_at_enqueue) {
-    const auto number = queue_.front().number;
-    queue_.pop_front();
+  const Queued done = queue_.front();
+  queue_.pop_front();
+  if (options_.dialect.ok_at_enqueue) {
+    if (!ok_tail_.empty()) write_line(ok_tail_.substr(1));
+  } else if (!done.own) {
     if (ok_tail_.empty() && options_.advanced_ok)
-      send_ok((number ? " N" + std::to_string(*number) : std::string()) + free_slots());
+      send_ok((done.number ? " N" + std::to_string(*done.number) : std::string()) + free_slots());
     else
       send_ok(ok_tail_);
-  } else {
-    queue_.pop_front();
   }
   next_wait_ = now_ + 1;
-}
-
-/// As the firmware counts: the command whose ok this is still holds its place.
-std::string MockMarlin::free_slots() const {
-  const std::size_t used = std::min(options_.queue, queue_.size() + 1);
-  return " P" + std::to_string(motion_.planner().free()) + " B" + std::to_string(options_.queue - used);
-}
-
-void MockMarlin::send_ok(std::string_view tail) {
-  std::string line = "ok";
-  line += tail;
-  int times = 1;
-  if (!faults_.none()) {
-    for (const Fault& fault : faults_.at_ok()) {
-      if (fault.kind == FaultKind::kLoseOk) times = 0;
-      if (fault.kind == FaultKind::kDoubleOk) times = 2;
-      if (fault.kind == FaultKind::kGarbleOk) line[0] = static_cast<char>(line[0] ^ (1 << faults_.pick(5)));
-      if (natural_trigger(fault.kind) == FaultTrigger::kLine) apply(fault);
-    }
-  }
-  while (times-- > 0) write_line(line);
-}
-
-void MockMarlin::write_line(std::string_view text) { write(std::string(text) + '\n'); }
-
-void MockMarlin::write(std::string_view text) {
-  std::string damaged;
-  if (!faults_.none()) {
-    for (const char c : text) faults_.pass_byte(c, true, damaged);
-    text = damaged;
-  }
-  if (options_.baud > 0 || options_.round_trip_s > 0)
-    wire_out_.send(now_, text);
-  else
-    ready_out_ += text;
-}
-
-std::string MockMarlin::take_output() {
-  std::string result;
-  result.swap(ready_out_);
-  return result;
-}
-
-std::string MockMarlin::temperatures() const {
-  const auto one = [&](const char* name, const GuardedHeater& heater) {
-    Heater present = heater.heater();
-    present.update(now_);
-    return name + fixed(present.temperature(), 2) + " /" + fixed(present.target(), 2);
-  };
-  return one("T:", hotend_) + " " + one("B:", bed_) + " @:" + std::to_string(hotend().power()) +
-         " B@:" + std::to_string(bed().power());
 }
 
 bool MockMarlin::waits_for_host() const {
   return !halted_ && now_ >= boot_until_ && now_ >= silent_until_ && queue_.empty() && ring_.empty() &&
          wire_in_.empty() && wire_out_.empty() && !motion_.full();
-}
-
-void MockMarlin::apply(const Fault& fault) {
-  switch (fault.kind) {
-    case FaultKind::kReset:
-      reset();
-      break;
-    case FaultKind::kHalt:
-      kill(fault.text, fault.heater == "bed" ? "bed" : "E0");
-      break;
-    case FaultKind::kUnplug:
-      unplug_ = fault.seconds;
-      break;
-    case FaultKind::kSilence:
-      silent_until_ = now_ + fault.seconds;
-      break;
-    case FaultKind::kSlow:
-      slow_s_ = fault.seconds;
-      slow_commands_ = fault.lines;
-      break;
-    case FaultKind::kDeadHeater:
-      (fault.heater == "bed" ? bed_ : hotend_).heater().break_element();
-      break;
-    case FaultKind::kPause:
-      queue_.push_back({"M600", std::nullopt});
-      break;
-    default:
-      break;
-  }
-}
-
-void MockMarlin::kill(std::string_view reason, std::string_view heater) {
-  halt_with("Error:" + std::string(reason) + ", system stopped! Heater_ID: " + std::string(heater) +
-            "\n\necho:" + std::string(reason) + "\n");
-}
-
-void MockMarlin::halt_with(std::string_view first_line) {
-  halted_ = true;
-  hotend_.set_target(now_, 0);
-  bed_.set_target(now_, 0);
-  fan_ = 0;
-  motion_.quick_stop(now_);
-  queue_.clear();
-  ring_.clear();
-  executing_ = false;
-  write(first_line);
-  write(options_.dialect.halted);
-  write(options_.dialect.power_off);
-}
-
-Statistics MockMarlin::statistics() const {
-  Statistics s = totals_;
-  s.faults = faults_.fired();
-  s.motion_s = motion_.moving_seconds();
-  s.span_s = motion_.first_start() < 0 ? 0 : motion_.last_end() - motion_.first_start();
-  s.blocks = motion_.blocks();
-  s.clock_s = now_;
-  s.hotend_target = hotend().target();
-  s.bed_target = bed().target();
-  Heater h = hotend(), b = bed();
-  h.update(now_);
-  b.update(now_);
-  s.hotend = h.temperature();
-  s.bed = b.temperature();
-  s.fan = fan_;
-  s.halted = halted_;
-  return s;
 }
 
 }  // namespace voidpath::test::mock

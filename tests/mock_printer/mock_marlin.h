@@ -73,6 +73,7 @@ class MockMarlin {
   struct Queued {
     std::string text;
     std::optional<std::int64_t> number;
+    bool own = false;  ///< the printer's own idea: neither logged nor acknowledged
   };
   /// What the executing command still has to do, in order.
   struct Task {
@@ -85,7 +86,7 @@ class MockMarlin {
     double* account = nullptr;       ///< kDwell: statistics the time is booked to
   };
 
-  // mock_marlin.cpp: the loop
+  // mock_marlin.cpp: the loop; mock_replies.cpp: what it says
   void process();
   void fire_due();
   void receive(char byte);
@@ -93,6 +94,7 @@ class MockMarlin {
   void handle_line_end(char byte);
   void handle_result(const LineResult& result);
   void emergency(std::string_view line);
+  void quick_stop();
   void refuse(const RefusedLine& refused);
   void begin_command();
   bool resume();
@@ -108,7 +110,7 @@ class MockMarlin {
   std::string temperatures() const;
   std::string free_slots() const;
 
-  // mock_commands.cpp: what commands do
+  // mock_commands.cpp, mock_moves.cpp: what commands do
   void execute(const Command& command);
   bool execute_motion(const Command& command);
   bool execute_heat(const Command& command);
@@ -140,8 +142,7 @@ class MockMarlin {
   std::function<void(std::string_view)> log_;
 
   bool executing_ = false;
-  bool plain_ok_ = true;  ///< the executing command ends with an ok of ours
-  std::string ok_tail_;   ///< what follows that ok
+  std::string ok_tail_;  ///< what follows that ok
   std::vector<Task> tasks_;
   std::size_t task_ = 0;
   double task_until_ = -1;  ///< of the current dwell, or the next look of a heat wait
@@ -165,7 +166,6 @@ class MockMarlin {
 
   std::uint64_t progress_ = 0;
   Statistics totals_;
-  double moved_before_reset_ = 0;
 };
 
 /// Number as the firmware prints it, with so many decimals.

@@ -58,7 +58,6 @@ void Runner::turn(double wall) {
     plug_at_.reset();
     if (options_.reset_on_open) printer_.reset();
   }
-  exchange();
   let_time_pass(wall);
   if (clock_) clock_->publish(printer_.now());
   exchange();
@@ -67,7 +66,7 @@ void Runner::turn(double wall) {
     out_.clear();
     plug_at_ = wall + *seconds;
   }
-  pty_.wait(patience());
+  if (const double seconds = patience(); seconds > 0) pty_.wait(seconds);
 }
 
 void Runner::exchange() {
@@ -76,6 +75,7 @@ void Runner::exchange() {
   if (pty_.take_opened() && options_.reset_on_open) printer_.reset();
   if (!in_.empty()) printer_.feed(in_);
   out_ += printer_.take_output();
+  if (options_.reset_on_open && !pty_.connected()) out_.clear();
   if (out_.empty()) return;
   // The clock is published before the words that it belongs to.
   if (clock_) clock_->publish(printer_.now());
@@ -94,7 +94,8 @@ void Runner::let_time_pass(double wall) {
     due_ = printer_.next_event();
     if (!std::isfinite(due_)) due_ = printer_.now();
   }
-  // One event at a time, with a look at the port after each: input may be there by then.
+  if (pacer_.speed() == 1) return printer_.advance_to(due_);
+  // One event at a time, with a look at the port after each: the next one may want the host's answer first.
   const double next = printer_.next_event();
   printer_.advance_to(std::min(due_, std::max(next, printer_.now())));
 }

@@ -13,11 +13,11 @@
 namespace voidpath::test::mock {
 
 struct RunnerOptions {
-  std::string link;
+  std::string link{};
   double speed = 1;            ///< 0: as fast as it can
   double grace_s = 2;          ///< wall time an accelerated clock waits for a silent host
-  std::string clock_file;      ///< empty: none
-  std::string log_file;        ///< empty: none
+  std::string clock_file{};    ///< empty: none
+  std::string log_file{};      ///< empty: none
   bool reset_on_open = false;  ///< a host that opens the port resets the printer, as boards with DTR do
 };
 
