@@ -68,8 +68,12 @@ void Driver::dispatch(const std::string& line, double t) {
 
 void Driver::dispatch_ready(const Reply& reply, double t) {
   if (const auto* ok = std::get_if<Ok>(&reply)) {
-    if (!ok->sensors.empty()) note_sensors(ok->sensors);
     collect(t);
+    if (!ok->sensors.empty()) {
+      note_sensors(ok->sensors);
+      if (job_) job_->on_temperature_ok(link_);
+      drop_finished_job();
+    }
   } else if (const auto* report = std::get_if<TemperatureReport>(&reply)) {
     if (report->waiting) link_.note_progress(t);
     note_sensors(report->sensors);
@@ -140,10 +144,8 @@ void Driver::note_sensors(const Sensors& sensors) {
 void Driver::collect(double t) {
   while (const auto tag = link_.take_acknowledged()) {
     if (job_ && tag->kind != Tag::Kind::control) {
-      const bool last = tag->kind == Tag::Kind::finish;
-      if (last) report_stats();
-      job_->on_acknowledged(*tag);
-      if (job_->over()) job_.reset();
+      job_->on_acknowledged(*tag, link_);
+      drop_finished_job();
     }
   }
   if (phase_ == Phase::identifying && link_.all_acknowledged()) {
@@ -153,6 +155,10 @@ void Driver::collect(double t) {
       phase_deadline_ = std::min(phase_deadline_, t + options_.handshake.nameless_s);
     }
   }
+}
+
+void Driver::drop_finished_job() {
+  if (job_ && job_->over()) job_.reset();
 }
 
 void Driver::pump(double t) {
@@ -257,7 +263,12 @@ void Driver::print(std::unique_ptr<LineSource> source, double t) {
     return;
   }
   stats_t_ = t;
-  job_ = std::make_unique<PrintJob>(std::move(source), [this](auto what) { emit(std::move(what)); });
+  job_ = std::make_unique<PrintJob>(std::move(source), [this](auto what) {
+    const bool last = std::holds_alternative<PrintFinished>(what) ||
+                      std::holds_alternative<PrintCancelled>(what) || std::holds_alternative<PrintFailed>(what);
+    if (last) report_stats();
+    emit(std::move(what));
+  });
   settle(t);
 }
 

@@ -82,6 +82,7 @@ class Driver {
   void handshake_elapsed(double t);
   void settle(double t);
   void collect(double t);
+  void drop_finished_job();
   void pump(double t);
   void check_health(double t);
   void poll_temperature(double t);

@@ -83,11 +83,15 @@ double Link::quiet_after_s() const noexcept {
   return timing_.quiet_s + 2 * round_trip_s_ + wire_s;
 }
 
+bool Link::long_outstanding() const noexcept {
+  return std::any_of(outstanding_.begin(), outstanding_.end(),
+                     [](const Outstanding& line) { return line.tag.is_long; });
+}
+
 double Link::stall_after_s() const noexcept {
   if (window_.probe_was_answered()) return timing_.probe_s;
-  const bool is_long = std::any_of(outstanding_.begin(), outstanding_.end(),
-                                   [](const Outstanding& line) { return line.tag.is_long; });
-  if (is_long) return busy_seen_ ? timing_.long_busy_silence_s : timing_.long_silence_s;
+  // A long command is probed once, in case its ok was lost, and then left alone.
+  if (!busy_seen_ && window_.stalls() > 0 && long_outstanding()) return timing_.long_silence_s;
   return busy_seen_ ? timing_.busy_silence_s : timing_.silence_s;
 }
 
@@ -106,7 +110,7 @@ void Link::elapsed(double t) {
   }
   if (!window_.waiting() || held_) return;
   if (window_.throttled() && t >= patience_t_ + timing_.patience_s) window_.on_patience(), patience_t_ = t;
-  if (t >= progress_t_ + stall_after_s()) window_.on_stall(), progress_t_ = t;
+  if (t >= progress_t_ + stall_after_s()) window_.on_stall(!long_outstanding()), progress_t_ = t;
 }
 
 }  // namespace voidpath::fw::marlin

@@ -79,6 +79,7 @@ class Link {
     Tag tag;
   };
   void write(std::string_view framed, double t);
+  bool long_outstanding() const noexcept;
   double stall_after_s() const noexcept;
   double quiet_after_s() const noexcept;
 

@@ -63,6 +63,8 @@ void PrintJob::feed_ending(Link& link, double t) {
 }
 
 void PrintJob::feed(Link& link, double t) {
+  if (!disturbances_) disturbances_ = link.window().disturbances();
+  if (state_ == State::verifying && link.all_acknowledged()) link.send("M105", {}, t);
   if (state_ == State::ending) return feed_ending(link, t);
   try {
     while (state_ == State::feeding && feed_line(link, t) == Step::sent) {
@@ -73,7 +75,16 @@ void PrintJob::feed(Link& link, double t) {
   }
 }
 
-void PrintJob::on_acknowledged(const Tag& tag) {
+void PrintJob::finish() {
+  state_ = State::over;
+  emit_(PrintFinished{});
+}
+
+void PrintJob::on_temperature_ok(const Link& link) {
+  if (state_ == State::verifying && link.all_acknowledged()) finish();
+}
+
+void PrintJob::on_acknowledged(const Tag& tag, const Link& link) {
   if (tag.heating) {
     heating_ = false;
     motion_armed_ = true;
@@ -81,8 +92,11 @@ void PrintJob::on_acknowledged(const Tag& tag) {
   }
   if (tag.kind == Tag::Kind::file) emit_(LineDone{tag.index, tag.file_position});
   if (tag.kind == Tag::Kind::finish && state_ == State::finishing) {
-    state_ = State::over;
-    emit_(PrintFinished{});
+    if (link.window().disturbances() == disturbances_) {
+      finish();
+    } else {
+      state_ = State::verifying;
+    }
   }
   if (tag.kind == Tag::Kind::ending && --ending_unacknowledged_ == 0) {
     state_ = State::over;

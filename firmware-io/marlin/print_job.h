@@ -20,13 +20,18 @@ using Emit = std::function<void(decltype(Event::what))>;
 ///
 /// A heating wait goes out only when everything before it is acknowledged, and nothing follows until it is
 /// acknowledged itself: so its beginning and end are known, and the first motion leaves right after it.
+///
+/// The file's end is M400. Where the dialogue was disturbed, an acknowledgement may be one too many; then
+/// M105 follows, whose answer cannot be mistaken and whose number is only taken when all before it were.
 class PrintJob {
  public:
   PrintJob(std::unique_ptr<LineSource> source, Emit emit);
 
   /// Sends what may go now.
   void feed(Link& link, double t);
-  void on_acknowledged(const Tag& tag);
+  void on_acknowledged(const Tag& tag, const Link& link);
+  /// An ok came that can only be M105's.
+  void on_temperature_ok(const Link& link);
 
   void pause(bool by_printer, const std::string& reason);
   void resume();
@@ -40,19 +45,21 @@ class PrintJob {
   bool heating() const noexcept { return heating_; }
 
  private:
-  enum class State { feeding, paused, finishing, ending, over };
+  enum class State { feeding, paused, finishing, verifying, ending, over };
   enum class Step { sent, wait };
 
   bool fetch();
   Step feed_line(Link& link, double t);
   void feed_ending(Link& link, double t);
   void note_sent(const std::string& text);
+  void finish();
 
   std::unique_ptr<LineSource> source_;
   Emit emit_;
   State state_ = State::feeding;
   std::optional<SourceLine> pending_;
   std::uint64_t pending_position_ = 0;
+  std::optional<std::uint64_t> disturbances_;  ///< of the link when the print began
   bool started_ = false;
   bool heating_ = false;      ///< a heating wait is out
   bool motion_armed_ = true;  ///< no motion since the start or the last heating wait

@@ -110,7 +110,7 @@ Error parse_error(std::string_view text) {
     error.kind = Error::Kind::fatal;
   } else if (contains_any(low, {"checksum", "line number", "linenumber", "expected line", "format error"})) {
     error.kind = Error::Kind::framing;
-    if (const auto last = low.find("last line"); last != std::string::npos) {
+    if (const auto last = low.rfind("last line"); last != std::string::npos) {
       error.last_line = first_integer(std::string_view(low).substr(last));
     } else if (const auto expected = low.find("expected line"); expected != std::string::npos) {
       const auto line = first_integer(std::string_view(low).substr(expected));

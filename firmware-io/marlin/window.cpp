@@ -119,7 +119,10 @@ void Window::on_ok(std::optional<std::uint32_t> line) {
   }
   if (!in_flight_.empty()) {
     acknowledge_front();
-  } else if (draining_ && resent_was_in_flight_ && resending()) {
+    return;
+  }
+  ++disturbances_;
+  if (draining_ && resent_was_in_flight_ && resending()) {
     // Nothing else is owed: the line had been taken after all, and would now be met with silence. If this
     // guess is wrong the firmware asks again.
     resent_was_in_flight_ = false;
@@ -142,10 +145,11 @@ void Window::rewind_to(std::uint32_t line) {
 
 void Window::on_resend(std::uint32_t line) {
   ++resend_requests_;
+  ++disturbances_;
   const bool says_ok = request_oks_missed_ <= request_oks_seen_;
   request_ok_due_ = says_ok ? kOkAfterResend : 0;
   if (line < first_kept_ || line > next_) {
-    if (++impossible_ >= options_.stuck_rounds) health_ = Health::no_history;
+    if (++impossible_ >= options_.stuck_rounds) give_up(Health::no_history);
     if (!draining_) rewind_to(cursor_);  // let it ask again, one line at a time
   } else {
     if (line <= acknowledged_ && !draining_) ++doubtful_requests_;
@@ -158,6 +162,7 @@ void Window::on_resend(std::uint32_t line) {
 }
 
 void Window::on_framing_error(std::optional<std::uint32_t> last_line) {
+  ++disturbances_;
   if (last_line) {
     on_resend(*last_line + 1);
     --resend_requests_;  // the request itself follows and counts
@@ -174,7 +179,7 @@ void Window::on_quiet() {
   draining_ = false;
   request_ok_due_ = 0;
   if (cursor_ == round_line_ && rounds_ > 0) {
-    if (++rounds_ > options_.stuck_rounds) health_ = Health::stuck;
+    if (++rounds_ > options_.stuck_rounds) give_up(Health::stuck);
   } else {
     round_line_ = cursor_;
     rounds_ = 1;
@@ -186,16 +191,18 @@ void Window::on_patience() {
   if (!draining_) limit_ = std::min(options_.max_bytes, limit_ + kTypicalLine);
 }
 
-void Window::on_stall() {
+void Window::on_stall(bool may_overfill) {
   if (draining_) return;
+  ++disturbances_;
   if (probing_ && probe_answered_) {
     // The probe's number follows those before it: had they not been taken, it would have been refused.
     acknowledge_all();
     probing_ = false;
     return;
   }
+  if (!may_overfill && bytes_in_flight_ + kTypicalLine > options_.max_bytes) return;
   grant_ = true;
-  if (++stalls_ > options_.silent_stalls) health_ = Health::silent;
+  if (++stalls_ > options_.silent_stalls) give_up(Health::silent);
 }
 
 }  // namespace voidpath::fw::marlin

@@ -68,8 +68,9 @@ class Window {
   void on_quiet();
   /// No ok for a while though the window is not full: one more line can do no harm.
   void on_patience();
-  /// No ok for so long that one must have been lost: lets one line out to provoke an answer.
-  void on_stall();
+  /// No ok for so long that one must have been lost: lets one line out to provoke an answer, beyond the
+  /// limit if the ring may be overfilled for it.
+  void on_stall(bool may_overfill = true);
 
   // --- state ---
 
@@ -80,6 +81,8 @@ class Window {
   bool waiting() const noexcept { return !in_flight_.empty(); }
   /// A stall was met by permission for one line which nobody has used yet.
   bool wants_probe() const noexcept { return grant_; }
+  /// Lines let out, or meant to be, since the last ok.
+  int stalls() const noexcept { return stalls_; }
   /// The line let out by a stall was answered: if it now stays quiet, all before it had been taken.
   bool probe_was_answered() const noexcept { return probing_ && probe_answered_; }
   bool throttled() const noexcept { return limit_ < options_.max_bytes; }
@@ -92,6 +95,9 @@ class Window {
   /// Requests for a line that had been acknowledged: a sign of a line run without its number.
   std::uint64_t doubtful_requests() const noexcept { return doubtful_requests_; }
   Health health() const noexcept { return health_; }
+  /// Grows with everything that may have moved an acknowledgement: a request, a stall, an ok too many. While
+  /// it stands still, what is acknowledged is done.
+  std::uint64_t disturbances() const noexcept { return disturbances_; }
 
  private:
   struct Flight {
@@ -105,6 +111,9 @@ class Window {
   void acknowledge_front();
   void acknowledge_all();
   void rewind_to(std::uint32_t line);
+  void give_up(Health why) noexcept {
+    if (health_ == Health::good) health_ = why;
+  }
   std::string& slot(std::uint32_t number) { return history_[number % history_.size()]; }
 
   WindowOptions options_;
@@ -132,6 +141,7 @@ class Window {
   int stalls_ = 0;
   std::uint64_t resend_requests_ = 0;
   std::uint64_t doubtful_requests_ = 0;
+  std::uint64_t disturbances_ = 0;
   Health health_ = Health::good;
 };
 

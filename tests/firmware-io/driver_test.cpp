@@ -1,0 +1,433 @@
+#include "firmware-io/marlin/driver.h"
+
+#include "tests/firmware-io/driver_bench.h"
+
+#include <random>
+
+#include <catch2/catch.hpp>
+
+using namespace voidpath::fw;
+using voidpath::test::DriverBench;
+using voidpath::test::MemorySource;
+
+namespace {
+
+using Lines = std::vector<std::string>;
+
+void flip(char& c) { c = static_cast<char>(c ^ 2); }
+
+Lines moves(int n) {
+  Lines out;
+  for (int i = 0; i < n; ++i) {
+    out.push_back("G1 X" + std::to_string(i * 7919 % 2000) + " Y" + std::to_string(i) + " E" +
+                  std::to_string(i * 31 % 777));
+  }
+  return out;
+}
+
+Lines operator+(Lines a, const Lines& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+bool over(const DriverBench& bench) {
+  return bench.count<PrintFinished>() + bench.count<PrintFailed>() + bench.count<PrintCancelled>() > 0;
+}
+
+}  // namespace
+
+TEST_CASE("the handshake learns who the printer is and has it report temperatures", "[driver]") {
+  DriverBench bench;
+  REQUIRE(bench.connect());
+  const FirmwareInfo& info = bench.get<Connected>().firmware;
+  CHECK(info.name == "Marlin 2.1.2 (Jun 1 2024)");
+  CHECK(info.machine == "Model Machine");
+  CHECK(info.capabilities.at("AUTOREPORT_TEMP"));
+  CHECK_FALSE(info.capabilities.at("EMERGENCY_PARSER"));
+  CHECK(bench.firmware.executed == Lines{"M110 N0", "M115", "M155 S1"});
+  CHECK(bench.raw.at(0) == "\n");
+  CHECK(bench.raw.at(1) == "N0 M110 N0*125\n");
+}
+
+TEST_CASE("a printer that boots is awaited, and then not any longer than needed", "[driver]") {
+  DriverBench bench;
+  bench.run_for(1.0);
+  CHECK(bench.raw.empty());
+  bench.firmware.reset();
+  const double booted = bench.t;
+  REQUIRE(bench.connect());
+  CHECK(bench.t - booted < 1.0);
+}
+
+TEST_CASE("garbage before the greeting does no harm", "[driver]") {
+  DriverBench bench;
+  bench.firmware.receive("\x80\x90 G1 X");
+  REQUIRE(bench.connect());
+}
+
+TEST_CASE("a mute port is given up with a reason, once", "[driver]") {
+  DriverBench bench;
+  bench.mute = true;
+  REQUIRE(bench.run_until([&] { return bench.driver.closing(); }));
+  CHECK(bench.get<Disconnected>().reason == "the printer does not answer");
+  bench.driver.opened(bench.t);
+  REQUIRE(bench.run_until([&] { return bench.driver.closing(); }));
+  CHECK(bench.count<Disconnected>() == 1);
+}
+
+TEST_CASE("a firmware without reports is asked for its temperatures", "[driver]") {
+  DriverBench bench({.autoreport = false});
+  REQUIRE(bench.run_until([&] { return bench.count<Temperatures>() >= 4; }));
+  CHECK(bench.get<Temperatures>().sensors.at("T0").actual_c == Approx(21));
+  CHECK(bench.t - 1000 > 10);
+  CHECK(bench.t - 1000 < 30);
+}
+
+TEST_CASE("a print arrives line by line and ends with the machine at rest", "[driver]") {
+  DriverBench bench;
+  REQUIRE(bench.connect());
+  const Lines file = Lines{"M140 S60", "G28", "M190 S60", "M109 S200"} + moves(300);
+  bench.print(file);
+  REQUIRE(bench.run_until([&] { return over(bench); }));
+  CHECK(bench.printed() == file + Lines{"M400"});
+  CHECK(bench.count<PrintStarted>() == 1);
+  CHECK(bench.count<PrintFinished>() == 1);
+  CHECK(bench.count<LineDone>() == static_cast<int>(file.size()));
+  for (int i = 0; i < bench.count<LineDone>(); ++i)
+    CHECK(bench.get<LineDone>(i).index == static_cast<unsigned>(i));
+  CHECK(bench.count<LinkStats>() >= 1);
+  CHECK(bench.firmware.overflowed == 0);
+  CHECK(bench.driver.finished());
+}
+
+TEST_CASE("heating waits are timed, and the first motion after them", "[driver]") {
+  DriverBench bench;
+  REQUIRE(bench.connect());
+  bench.print(Lines{"M140 S60", "G28", "M190 S60", "G92 E0", "M109 S200"} + moves(5) + Lines{"M109 S210"} +
+              moves(5));
+  REQUIRE(bench.run_until([&] { return over(bench); }, 200));
+  REQUIRE(bench.count<Heating>() == 6);
+  for (int i = 0; i < 3; ++i) {
+    CHECK(bench.get<Heating>(2 * i).on);
+    CHECK_FALSE(bench.get<Heating>(2 * i + 1).on);
+    const double took = bench.event_of<Heating>(2 * i + 1).at_s - bench.event_of<Heating>(2 * i).at_s;
+    CHECK(took == Approx(20).margin(0.01));
+  }
+  REQUIRE(bench.count<MotionStarted>() == 2);  // homing between the waits is none
+  CHECK(bench.event_of<MotionStarted>(0).at_s >= bench.event_of<Heating>(3).at_s);
+  CHECK(bench.event_of<MotionStarted>(0).at_s - bench.event_of<Heating>(3).at_s < 0.001);
+  CHECK(bench.event_of<MotionStarted>(1).at_s >= bench.event_of<Heating>(5).at_s);
+}
+
+TEST_CASE("the end is when M400 is done, not when the last line is queued", "[driver]") {
+  DriverBench bench;
+  REQUIRE(bench.connect());
+  bench.duration = [](const std::string& command) { return command == "M400" ? 40.0 : 0.001; };
+  bench.print(moves(3));
+  REQUIRE(bench.run_until([&] { return over(bench); }, 100));
+  const double last = bench.event_of<LineDone>(2).at_s;
+  CHECK(bench.event_of<PrintFinished>().at_s - last == Approx(40).margin(0.1));
+}
+
+TEST_CASE("pause holds the file back and resume goes on with the next line", "[driver]") {
+  DriverBench bench;
+  REQUIRE(bench.connect());
+  bench.print(moves(200));
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() == 50; }));
+  bench.driver.pause();
+  bench.run_for(30);
+  CHECK(bench.count<Paused>() == 1);
+  CHECK_FALSE(bench.get<Paused>().by_printer);
+  const int done = bench.count<LineDone>();
+  CHECK(done < 60);
+  bench.run_for(30);
+  CHECK(bench.count<LineDone>() == done);
+  bench.driver.resume(bench.t);
+  REQUIRE(bench.run_until([&] { return over(bench); }));
+  CHECK(bench.count<Resumed>() == 1);
+  CHECK(bench.printed() == moves(200) + Lines{"M400"});
+}
+
+TEST_CASE("M0 in a file pauses here and is not forwarded", "[driver]") {
+  DriverBench bench;
+  REQUIRE(bench.connect());
+  bench.print(moves(3) + Lines{"M0 change filament"} + moves(2));
+  REQUIRE(bench.run_until([&] { return bench.count<Paused>() == 1; }));
+  CHECK(bench.get<Paused>().reason == "M0 change filament");
+  bench.run_for(5);
+  CHECK(bench.printed() == moves(3));
+  bench.driver.resume(bench.t);
+  REQUIRE(bench.run_until([&] { return over(bench); }));
+  CHECK(bench.printed() == moves(3) + moves(2) + Lines{"M400"});
+}
+
+TEST_CASE("the printer itself pauses, resumes and cancels", "[driver]") {
+  DriverBench bench;
+  REQUIRE(bench.connect());
+  bench.print(moves(500));
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() == 10; }));
+  bench.firmware.replies.push_back("//action:pause filament_runout 0");
+  REQUIRE(bench.run_until([&] { return bench.count<Paused>() == 1; }));
+  CHECK(bench.get<Paused>().by_printer);
+  CHECK(bench.get<Paused>().reason == "filament_runout 0");
+  bench.firmware.replies.push_back("//action:resume");
+  REQUIRE(bench.run_until([&] { return bench.count<Resumed>() == 1; }));
+  bench.firmware.replies.push_back("//action:cancel");
+  REQUIRE(bench.run_until([&] { return over(bench); }));
+  CHECK(bench.count<PrintCancelled>() == 1);
+}
+
+TEST_CASE("cancel ends with lift, heaters, fan and motors, in this order", "[driver]") {
+  marlin::DriverOptions options;
+  options.cancel_gcode = {"G91", "G1 Z10"};
+  DriverBench bench({}, options);
+  REQUIRE(bench.connect());
+  bench.print(moves(500));
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() == 20; }));
+  bench.driver.cancel("enough", bench.t);
+  REQUIRE(bench.run_until([&] { return over(bench); }));
+  CHECK(bench.count<PrintCancelled>() == 1);
+  const Lines end{"G91", "G1 Z10", "M104 S0", "M140 S0", "M107", "M84"};
+  const Lines printed = bench.printed();
+  REQUIRE(printed.size() > end.size() + 20);
+  REQUIRE(printed.size() < end.size() + 35);
+  CHECK(Lines(printed.end() - static_cast<std::ptrdiff_t>(end.size()), printed.end()) == end);
+}
+
+TEST_CASE("cancel while heating does not wait for the temperature", "[driver]") {
+  DriverBench bench;
+  REQUIRE(bench.connect());
+  bench.duration = [](const std::string& command) { return command.starts_with("M109") ? 600.0 : 0.01; };
+  bench.print(Lines{"M109 S200"} + moves(10));
+  REQUIRE(bench.run_until([&] { return bench.count<Heating>() == 1; }));
+  bench.run_for(3);
+  const double asked = bench.t;
+  bench.driver.cancel("", asked);
+  REQUIRE(bench.run_until([&] { return over(bench); }));
+  CHECK(bench.t - asked < 1);
+  CHECK_FALSE(bench.get<Heating>(1).on);
+  CHECK(bench.printed() == Lines{"M109 S200", "M108", "M104 S0", "M140 S0", "M107", "M84"});
+}
+
+TEST_CASE("halt puts M112 on the wire ahead of everything, without and with a number", "[driver]") {
+  DriverBench bench;
+  REQUIRE(bench.connect());
+  bench.print(moves(500));
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() == 20; }));
+  bench.driver.output() += "N77 G1 X1 half a li";
+  bench.driver.halt("button", bench.t);
+  CHECK(bench.driver.output().starts_with("\nM112\nN"));
+  CHECK(bench.driver.take_urgent());
+  CHECK_FALSE(bench.driver.take_urgent());
+  REQUIRE(bench.run_until([&] { return bench.driver.closing(); }, 10));
+  CHECK(bench.firmware.dead);
+  CHECK(bench.get<PrintFailed>().reason == "button");
+  CHECK(bench.get<Disconnected>().reason == "button");
+}
+
+TEST_CASE("a printer that restarts in mid-print gets no further line of the file", "[driver]") {
+  DriverBench bench;
+  REQUIRE(bench.connect());
+  bench.print(moves(500));
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() == 20; }));
+  const auto before = bench.firmware.executed.size();
+  bench.firmware.reset();
+  REQUIRE(bench.run_until([&] { return bench.count<Connected>() == 2 && bench.firmware.reporting; }));
+  CHECK(bench.count<PrintFailed>() == 1);
+  CHECK(bench.count<Disconnected>() == 1);
+  for (std::size_t i = before + 5; i < bench.firmware.executed.size(); ++i) {
+    CHECK_FALSE(bench.firmware.executed[i].starts_with("G1"));
+  }
+  bench.print(moves(3));
+  REQUIRE(bench.run_until([&] { return bench.count<PrintFinished>() == 1; }));
+}
+
+TEST_CASE("a killed firmware fails the print with its own words", "[driver]") {
+  DriverBench bench;
+  REQUIRE(bench.connect());
+  bench.print(moves(500));
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() == 20; }));
+  bench.firmware.dead = true;
+  bench.firmware.replies = {"Error:Thermal Runaway, system stopped! Heater_ID: 0"};
+  REQUIRE(bench.run_until([&] { return bench.driver.closing(); }));
+  CHECK(bench.get<PrintFailed>().reason == "Thermal Runaway, system stopped! Heater_ID: 0");
+  CHECK(bench.count<Disconnected>() == 1);
+  CHECK(bench.driver.output().find("M104 S0\n") != std::string::npos);
+  CHECK(bench.driver.output().ends_with("M112\n"));
+}
+
+TEST_CASE("a complaint about one command stops nothing", "[driver]") {
+  DriverBench bench;
+  REQUIRE(bench.connect());
+  bench.print(moves(50));
+  bench.firmware.replies.push_back("Error:?J out of range (0.01 to 0.3)");
+  REQUIRE(bench.run_until([&] { return over(bench); }));
+  CHECK(bench.count<PrintFinished>() == 1);
+}
+
+TEST_CASE("a vanished port fails the print", "[driver]") {
+  DriverBench bench;
+  REQUIRE(bench.connect());
+  bench.print(moves(50));
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() == 20; }));
+  bench.driver.lost("cable");
+  CHECK(bench.get<PrintFailed>().reason == "connection lost: cable");
+  CHECK(bench.get<Disconnected>().reason == "cable");
+  CHECK(bench.driver.closing());
+}
+
+TEST_CASE("a lost ok costs time and nothing else", "[driver]") {
+  for (const int lost : {1, 5, 40, 101, 102}) {
+    DriverBench bench;
+    REQUIRE(bench.connect());
+    int oks = 0;
+    bench.to_host = [&](std::string line) { return line == "ok" && ++oks == lost ? std::string() : line; };
+    bench.print(moves(100));
+    INFO("lost ok " << lost);
+    REQUIRE(bench.run_until([&] { return over(bench); }, 120));
+    CHECK(bench.count<PrintFinished>() == 1);
+    CHECK(bench.printed() == moves(100) + Lines{"M400"});
+    CHECK(bench.count<LineDone>() == 100);
+  }
+}
+
+TEST_CASE("a storm of faults in mid-print leaves each line once", "[driver]") {
+  int undetectable = 0;
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    DriverBench bench({.resend_says_ok = seed % 2 == 0, .advanced_ok = seed % 3 == 0});
+    REQUIRE(bench.connect());
+    std::mt19937 random(seed);
+    bench.to_printer = [&](std::string line) {
+      if (random() % 12 != 0 || line.size() < 4) return line;
+      if (random() % 3 == 0)
+        line.pop_back();
+      else if (random() % 2 == 0)
+        flip(line[1 + random() % (line.size() - 2)]);
+      else
+        line.clear();
+      return line;
+    };
+    bench.to_host = [&](std::string line) { return random() % 40 == 0 ? std::string() : line; };
+    bench.print(Lines{"G28", "M109 S200"} + moves(150));
+    INFO("seed " << seed);
+    REQUIRE(bench.run_until([&] { return over(bench); }, 2000));
+    const Lines all = Lines{"G28", "M109 S200"} + moves(150) + Lines{"M400"};
+    undetectable += bench.firmware.undetectable;
+    if (bench.firmware.undetectable > 0) continue;
+    if (bench.count<PrintFinished>() == 1) {
+      CHECK(bench.printed() == all);
+      CHECK(bench.get<LinkStats>(bench.count<LinkStats>() - 1).resends > 0);
+    } else {
+      CHECK_FALSE(bench.get<PrintFailed>().reason.empty());
+    }
+  }
+  CHECK(undetectable < 4);
+}
+
+TEST_CASE("one flipped byte in a line costs less than half a second", "[driver]") {
+  DriverBench bench;
+  REQUIRE(bench.connect());
+  int sent = 0;
+  bench.to_printer = [&](std::string line) {
+    if (++sent == 60) flip(line[8]);
+    return line;
+  };
+  bench.print(moves(200));
+  const double begun = bench.t;
+  REQUIRE(bench.run_until([&] { return over(bench); }));
+  CHECK(bench.printed() == moves(200) + Lines{"M400"});
+  CHECK(bench.t - begun < 201 * 0.01 + 0.5);
+}
+
+TEST_CASE("a printer that falls silent is noticed and the print failed", "[driver]") {
+  DriverBench bench;
+  REQUIRE(bench.connect());
+  bench.print(moves(500));
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() == 20; }));
+  bench.mute = true;
+  REQUIRE(bench.run_until([&] { return over(bench); }, 400));
+  CHECK(bench.get<PrintFailed>().reason == "the printer no longer answers");
+  CHECK(bench.driver.closing());
+}
+
+TEST_CASE("a long command with busy, and one in silence, are waited for", "[driver]") {
+  for (const bool says_busy : {true, false}) {
+    DriverBench bench;
+    bench.says_busy = says_busy;
+    REQUIRE(bench.connect());
+    bench.duration = [](const std::string& command) { return command == "G29" ? 600.0 : 0.01; };
+    const Lines file = Lines{"G28", "G29"} + moves(20);
+    bench.print(file);
+    REQUIRE(bench.run_until([&] { return over(bench); }, 700));
+    CHECK(bench.count<PrintFinished>() == 1);
+    CHECK(bench.printed() == file + Lines{"M400"});
+    CHECK(bench.firmware.overflowed == 0);
+    const auto probes = std::count(bench.firmware.executed.begin(), bench.firmware.executed.end(), "M105");
+    CHECK(probes <= (says_busy ? 0 : 2));
+  }
+}
+
+TEST_CASE("a person's pause at the printer stops the timers", "[driver]") {
+  DriverBench bench;
+  REQUIRE(bench.connect());
+  bench.says_busy = false;
+  bench.duration = [](const std::string& command) { return command == "M600" ? 5000.0 : 0.01; };
+  bench.print(Lines{"M600"} + moves(5));
+  bench.run_for(1);
+  bench.firmware.replies.push_back("echo:busy: paused for user");
+  REQUIRE(bench.run_until([&] { return over(bench); }, 6000));
+  CHECK(bench.count<PrintFinished>() == 1);
+}
+
+TEST_CASE("a file that breaks off fails the print with the heaters off", "[driver]") {
+  DriverBench bench;
+  REQUIRE(bench.connect());
+  auto source = std::make_unique<MemorySource>(moves(50));
+  source->fail_at = 30;
+  bench.driver.print(std::move(source), bench.t);
+  REQUIRE(bench.run_until([&] { return over(bench); }));
+  CHECK(bench.get<PrintFailed>().reason == "the file went away");
+  CHECK(bench.printed() == Lines(moves(30)) + Lines{"M104 S0", "M140 S0", "M107"});
+  CHECK_FALSE(bench.driver.closing());
+}
+
+TEST_CASE("a user's line goes between the print's own", "[driver]") {
+  DriverBench bench;
+  REQUIRE(bench.connect());
+  bench.print(moves(100));
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() == 20; }));
+  bench.driver.command("M220 S90 ; faster", bench.t);
+  bench.driver.command("M110 N5", bench.t);
+  REQUIRE(bench.run_until([&] { return over(bench); }));
+  Lines printed = bench.printed();
+  CHECK(std::count(printed.begin(), printed.end(), "M220 S90") == 1);
+  std::erase(printed, "M220 S90");
+  CHECK(printed == moves(100) + Lines{"M400"});
+  CHECK(bench.count<LineDone>() == 100);
+}
+
+TEST_CASE("print without a printer, or beside a print, is refused", "[driver]") {
+  DriverBench bench;
+  bench.print(moves(3));
+  CHECK(bench.get<PrintFailed>().reason == "the printer is not connected");
+  REQUIRE(bench.connect());
+  bench.print(moves(300));
+  bench.print(moves(3));
+  CHECK(bench.get<PrintFailed>(1).reason == "a print is already running");
+  REQUIRE(bench.run_until([&] { return bench.count<PrintFinished>() == 1; }));
+  CHECK(bench.printed() == moves(300) + Lines{"M400"});
+}
+
+TEST_CASE("shutting down turns the heaters off first", "[driver]") {
+  marlin::DriverOptions options;
+  options.cancel_gcode = {"G1 Z10"};
+  DriverBench bench({}, options);
+  REQUIRE(bench.connect());
+  bench.print(moves(500));
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() == 20; }));
+  bench.driver.shut_down(bench.t);
+  REQUIRE(bench.run_until([&] { return bench.driver.finished(); }));
+  const Lines printed = bench.printed();
+  const Lines end{"M104 S0", "M140 S0", "M107", "G1 Z10", "M84"};
+  CHECK(Lines(printed.end() - static_cast<std::ptrdiff_t>(end.size()), printed.end()) == end);
+}

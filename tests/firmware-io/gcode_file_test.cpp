@@ -1,0 +1,144 @@
+#include "firmware-io/clock.h"
+#include "firmware-io/flight_recorder.h"
+#include "firmware-io/marlin/codec.h"
+#include "firmware-io/marlin/file_command.h"
+#include "firmware-io/marlin/words.h"
+#include "firmware-io/printer_port.h"
+
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include <catch2/catch.hpp>
+
+using namespace voidpath::fw;
+using marlin::file_command;
+
+namespace {
+
+/// A file in the temporary folder that goes with its owner.
+class ScratchFile {
+ public:
+  explicit ScratchFile(const std::string& content) {
+    std::string pattern = (std::filesystem::temp_directory_path() / "voidpath-test-XXXXXX").string();
+    const int fd = ::mkstemp(pattern.data());
+    REQUIRE(fd >= 0);
+    path = pattern;
+    std::ofstream(path, std::ios::binary) << content;
+  }
+  ~ScratchFile() { std::filesystem::remove(path); }
+  std::string path;
+};
+
+}  // namespace
+
+TEST_CASE("a file's commands come in order with their line numbers", "[gcode_file]") {
+  const ScratchFile file(
+      "; made by hand\nG28 ; home\n\n  \nG1 X1.5 Y2 E0.1\r\n;LAYER_CHANGE\nM117 hi (you)\nM84");
+  const auto source = open_gcode_file(file.path);
+  std::vector<std::pair<std::uint32_t, std::string>> lines;
+  std::uint64_t before = 0;
+  while (const auto line = source->next()) {
+    lines.emplace_back(line->index, line->text);
+    CHECK(source->position() > before);
+    before = source->position();
+  }
+  CHECK(lines == decltype(lines){{1, "G28"}, {4, "G1 X1.5 Y2 E0.1"}, {6, "M117 hi you"}, {7, "M84"}});
+  CHECK(source->position() == source->size());
+  CHECK(source->size() == std::filesystem::file_size(file.path));
+}
+
+TEST_CASE("an unusable file is named with its line", "[gcode_file]") {
+  CHECK_THROWS_WITH(open_gcode_file("/nowhere/x.gcode"), Catch::Contains("/nowhere/x.gcode"));
+  const ScratchFile binary(std::string("G28\nG1 X1\0Y", 11));
+  const auto source = open_gcode_file(binary.path);
+  CHECK(source->next()->text == "G28");
+  CHECK_THROWS_WITH(source->next(), Catch::Contains(binary.path + ":2:"));
+  const ScratchFile long_line("G28\nM862.3 P\"" + std::string(200, 'x') + "\"\n");
+  const auto other = open_gcode_file(long_line.path);
+  other->next();
+  CHECK_THROWS_WITH(other->next(), Catch::Contains(":2:"));
+}
+
+TEST_CASE("commands are brought into the form a printer takes", "[gcode_file]") {
+  CHECK(file_command("g1 x1 y-2.5 e.3") == "G1 X1 Y-2.5 E.3");
+  CHECK(file_command("m117 Hello, World") == "M117 Hello, World");
+  CHECK(file_command("t1") == "T1");
+  CHECK(file_command("N12 G1 X1*99") == "G1 X1");
+  CHECK(file_command("N12G1 X1") == "G1 X1");
+  CHECK(file_command("M110 N0").empty());
+  CHECK(file_command("N0 M110*5").empty());
+  CHECK(file_command("%").empty());
+  CHECK(file_command("@pause").empty());
+  CHECK(file_command("(a comment)").empty());
+  const std::string exact = "G1 X1.123456789 Y2";
+  CHECK(file_command(exact) == exact);
+  const std::string precise = file_command(
+      "G2 X123.1234567890123 Y123.1234567890123 I12.1234567890123 J12.1234567890123 E1.1234567890123 F1200");
+  CHECK(precise == "G2 X123.12345 Y123.12345 I12.12345 J12.12345 E1.12345 F1200");
+  CHECK(file_command("M117 " + std::string(200, 'a')).size() == marlin::kMaxPayload);
+}
+
+TEST_CASE("what streaming must know of a command", "[words]") {
+  using namespace marlin;
+  CHECK(first_word("G28.1 X") == Word{'G', 28});
+  CHECK(first_word("m104 S0") == Word{'M', 104});
+  CHECK(first_word("") == Word{});
+  CHECK(is_heating_wait("M109 S200"));
+  CHECK(is_heating_wait("M190 R60"));
+  CHECK_FALSE(is_heating_wait("M104 S200"));
+  CHECK_FALSE(is_heating_wait("M1090"));
+  CHECK(is_motion("G1 X1"));
+  CHECK(is_motion("G0Z5"));
+  CHECK(is_motion("G2 I1 J1"));
+  CHECK(is_motion("G1 E-2 F1800"));
+  CHECK_FALSE(is_motion("G1 F1800"));
+  CHECK_FALSE(is_motion("G28 X"));
+  CHECK_FALSE(is_motion("G92 E0"));
+  CHECK(is_long("G29"));
+  CHECK(is_long("M400"));
+  CHECK_FALSE(is_long("G1 X1"));
+  CHECK(is_pause("M0"));
+  CHECK(is_pause("M1 S5"));
+  CHECK_FALSE(is_pause("M104"));
+  CHECK(is_out_of_band("M108"));
+}
+
+TEST_CASE("a published clock is read as it moves", "[clock]") {
+  std::string content("VPCLOCK1");
+  double seconds = 12.5;
+  content.append(reinterpret_cast<const char*>(&seconds), sizeof seconds);
+  const ScratchFile file(content);
+  const auto clock = mapped_clock(file.path);
+  CHECK(clock->now_s() == 12.5);
+  seconds = 99.25;
+  std::fstream out(file.path, std::ios::in | std::ios::out | std::ios::binary);
+  out.seekp(8).write(reinterpret_cast<const char*>(&seconds), sizeof seconds).flush();
+  CHECK(clock->now_s() == 99.25);
+}
+
+TEST_CASE("what is no clock is refused by name", "[clock]") {
+  const ScratchFile wrong(std::string(16, 'x'));
+  CHECK_THROWS_WITH(mapped_clock(wrong.path), Catch::Contains(wrong.path));
+  const ScratchFile tiny("VPCLOCK1");
+  CHECK_THROWS_WITH(mapped_clock(tiny.path), Catch::Contains(tiny.path));
+  CHECK_THROWS_WITH(mapped_clock("/nowhere/clock"), Catch::Contains("/nowhere/clock"));
+}
+
+TEST_CASE("the steady clock does not go back", "[clock]") {
+  const auto clock = steady_clock();
+  const double before = clock->now_s();
+  CHECK(clock->now_s() >= before);
+}
+
+TEST_CASE("the recorder keeps the last lines each way, in order", "[flight_recorder]") {
+  FlightRecorder recorder(3);
+  for (int i = 0; i < 10; ++i) {
+    recorder.sent(i, "G1 X" + std::to_string(i) + "\n");
+    if (i % 5 == 0) recorder.received(i + 0.5, "ok");
+  }
+  CHECK(recorder.lines() == std::vector<std::string>{"0.500 < ok", "5.500 < ok", "7.000 > G1 X7",
+                                                     "8.000 > G1 X8", "9.000 > G1 X9"});
+}
