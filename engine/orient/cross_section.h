@@ -39,7 +39,7 @@ class CrossSections {
   void place();
 
   std::vector<Contour>& contours() { return contours_; }
-  const std::vector<Point2>& points() const { return points_; }
+  std::vector<Point2>& points() { return points_; }
 
  private:
   struct CrossedEdge {

@@ -67,9 +67,11 @@ std::array<Evaluation, 2> DirectionEvaluator::evaluate(const Vec3& d) {
 
   find_slabs(solid_, d, p.h, p.h_min, p.h_max, options_, slabs_);
   sections_.prepare(solid_, p, slabs_);
+  fill_.prepare(solid_, p, slabs_);
   for (std::size_t i = 0; i < slabs_.size(); ++i) {
     sections_.trace(i);
     sections_.place();
+    fill_.settle(i, sections_.contours(), sections_.points());
     const SliceMeasure m = regions_.measure(sections_.points(), sections_.contours());
     up.criteria.contours += slabs_[i].weight_up * m.regions;
     up.criteria.void_mm += slabs_[i].weight_up * m.mean_distance_mm;

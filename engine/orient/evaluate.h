@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/orient/search.h"
+#include "engine/orient/slice_fill.h"
 #include "engine/orient/slice_regions.h"
 #include "engine/orient/solid.h"
 
@@ -34,6 +35,7 @@ class DirectionEvaluator {
   Projection projection_;
   std::vector<Slab> slabs_;
   CrossSections sections_;
+  SliceFill fill_;
   SliceRegions regions_;
   TrappedVolumeRaster raster_;
 };

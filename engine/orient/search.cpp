@@ -124,7 +124,7 @@ Choice search(const mesh::TriangleMesh& mesh, const SearchOptions& options, cons
   std::vector<Vec3> directions;
   directions.reserve(out.candidates.size());
   for (const Candidate& c : out.candidates) directions.push_back(c.direction);
-  const Solid solid = prepare_solid(mesh);
+  const Solid solid = prepare_solid(mesh, ctx);
   const std::vector<Evaluation> evaluations = evaluate_all(solid, directions, options, ctx);
   for (std::size_t i = 0; i < evaluations.size(); ++i) {
     Candidate& c = out.candidates[i];
@@ -158,7 +158,7 @@ std::vector<Criteria> evaluate(const mesh::TriangleMesh& mesh, const std::vector
                                const SearchOptions& options, const run::Context& ctx) {
   std::vector<Criteria> out;
   out.reserve(directions.size());
-  for (const Evaluation& e : evaluate_all(prepare_solid(mesh), directions, options, ctx))
+  for (const Evaluation& e : evaluate_all(prepare_solid(mesh, ctx), directions, options, ctx))
     out.push_back(e.criteria);
   return out;
 }

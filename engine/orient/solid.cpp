@@ -1,8 +1,9 @@
 #include "engine/orient/solid.h"
 
+#include "engine/orient/fill.h"
+
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
 namespace voidpath::orient {
@@ -143,7 +144,7 @@ void find_normals(Solid& s) {
 
 }  // namespace
 
-Solid prepare_solid(const mesh::TriangleMesh& mesh) {
+Solid prepare_solid(const mesh::TriangleMesh& mesh, const run::Context& ctx) {
   Solid s;
   const mesh::Bounds box = mesh::bounds(mesh);
   const Vec3 middle = 0.5 * (box.min + box.max);
@@ -153,10 +154,10 @@ Solid prepare_solid(const mesh::TriangleMesh& mesh) {
   for (const Vec3& v : s.vertices) s.radius_mm = std::max(s.radius_mm, v.norm());
   s.centre_of_mass = mesh::centroid(mesh) - middle;
   s.signed_volume_mm3 = mesh::volume(mesh);
-  s.volume_mm3 = s.signed_volume_mm3;
   find_neighbours(s);
   find_shells(s);
   find_normals(s);
+  settle_fill(s, ctx);
   return s;
 }
 

@@ -1,9 +1,11 @@
 #pragma once
 
 #include "engine/mesh/triangle_mesh.h"
+#include "engine/run/context.h"
 
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace voidpath::orient {
@@ -30,6 +32,8 @@ struct Solid {
   std::vector<Wall> shell_walls;  ///< per shell
   /// Per shell: it meets itself or another shell somewhere, so its slices need the fill rule.
   std::vector<std::uint8_t> shell_tangled;
+  /// Pairs of facets that run through one another or lie on one another.
+  std::vector<std::pair<Index, Index>> contacts;
   std::vector<Vec3> vertex_normals;    ///< area-weighted, unit; zero where undefined
   std::vector<Vec3> triangle_normals;  ///< unit; zero for slivers without area
   Vec3 centre_of_mass = Vec3::Zero();
@@ -38,6 +42,7 @@ struct Solid {
   double radius_mm = 0;          ///< of a ball about the origin that holds everything
 };
 
-Solid prepare_solid(const mesh::TriangleMesh& mesh);
+/// Throws run::Stopped.
+Solid prepare_solid(const mesh::TriangleMesh& mesh, const run::Context& ctx);
 
 }  // namespace voidpath::orient

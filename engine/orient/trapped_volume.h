@@ -43,8 +43,8 @@ class TrappedVolumeRaster {
     double disagreement() const { return even - odd; }
   };
   void scan(const Solid& solid, const Projection& p, int cells);
-  void scan_triangle(const double x[3], const double y[3], const double h[3], std::vector<float>& buffer,
-                     Hidden& hidden, int cells);
+  void scan_triangle(const double x[3], const double y[3], const double h[3], float* buffer, Hidden& hidden,
+                     int cells);
 
   std::vector<float> tops_;     ///< highest up-facing surface above h_min; 0: none
   std::vector<float> bottoms_;  ///< lowest down-facing surface below h_max; 0: none
