@@ -66,7 +66,7 @@ void add_bridge(std::vector<Path>& out, const BridgeArea& bridge, const BeadSize
 }
 
 /// Cuts a centre line where its width changes, each piece with the mean width of its stretch.
-void add_gap_line(std::vector<Path>& out, const CentreLine& line, const BeadSize& bead) {
+void add_gap_line(std::vector<Path>& out, const CentreLine& line, const BeadSize& bead, double tolerance_mm) {
   const double low = kMinGapWidth * bead.width_mm;
   const double high = kMaxGapWidth * bead.width_mm;
   std::size_t i = 0;
@@ -88,6 +88,7 @@ void add_gap_line(std::vector<Path>& out, const CentreLine& line, const BeadSize
     const double spacing = std::min(area / length, high);
     if (spacing < low || (n < 3 && length < kMinGapLength * spacing)) continue;
     const bool closed = line.closed && points.size() == n && points.front() == points.back();
+    points = geom::simplify(points, from_mm(tolerance_mm));
     if (closed) points.pop_back();
     out.push_back(make_path(Role::gap_fill, std::move(points), closed,
                             width_of_spacing_mm(spacing, bead.height_mm), bead.height_mm,
@@ -155,7 +156,7 @@ LayerDraft draft_layer(const slice::Layer& layer, std::size_t index, LayerWalls&
   for (auto& island : walls.islands) {
     out.islands.push_back({std::move(island.walls), {}});
     for (const auto& gap : island.gaps)
-      for (const auto& line : centre_lines(gap)) add_gap_line(out.islands.back().fills, line, bead);
+      for (const auto& line : centre_lines(gap)) add_gap_line(out.islands.back().fills, line, bead, s.resolution_mm);
   }
   const Sharer sharer(layer.regions);
   auto each = [&](const geom::Regions& areas, auto&& fill) {

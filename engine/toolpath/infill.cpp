@@ -118,9 +118,11 @@ geom::Polylines gyroid_lines(const geom::Box& box, double z_mm, double period_mm
   const auto last = static_cast<long>(std::ceil(u1 / step));
 
   auto across = [&](double u, long n) {
-    const double p = along_x ? std::sin(u) : sz;
-    const double q = along_x ? cz : std::cos(u);
-    const double c = along_x ? -sz * std::cos(u) : -std::sin(u) * cz;
+    // Along x the equation is taken with the sign that makes q positive: the phase has no jump then.
+    const double sign = along_x && cz < 0 ? -1.0 : 1.0;
+    const double p = sign * (along_x ? std::sin(u) : sz);
+    const double q = sign * (along_x ? cz : std::cos(u));
+    const double c = sign * (along_x ? -sz * std::cos(u) : -std::sin(u) * cz);
     const double phase = std::atan2(p, q);
     const double bend = std::asin(std::clamp(c / std::hypot(p, q), -1.0, 1.0));
     return -phase + static_cast<double>(n) * pi + (n % 2 == 0 ? bend : -bend);

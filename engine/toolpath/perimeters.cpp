@@ -16,7 +16,7 @@ using geom::Regions;
 
 /// Neighbouring walls may come this close, as a share of their spacing, before the inner one is dropped
 /// and the gap filled instead.
-constexpr double kMinSpacingShare = 0.6;
+constexpr double kMinSpacingShare = 0.8;
 /// Slivers thinner than this share of a bead are left to the squeeze of their neighbours.
 constexpr double kMinGapShare = 0.2;
 /// Slack for the rounding of offsets, nm, so that an area exactly as wide as a bead keeps its bead.

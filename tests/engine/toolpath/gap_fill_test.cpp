@@ -1,0 +1,115 @@
+#include "engine/toolpath/gap_fill.h"
+
+#include "engine/toolpath/triangulate.h"
+#include "tests/engine/toolpath/shapes.h"
+
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+using namespace voidpath;
+using namespace voidpath::test;
+using geom::from_mm;
+
+namespace {
+
+double triangle_area_mm2(const toolpath::Triangulation& t) {
+  double sum = 0;
+  for (const auto& tri : t.triangles)
+    sum += geom::area(geom::Ring{t.points[tri.corner[0]], t.points[tri.corner[1]], t.points[tri.corner[2]]});
+  return geom::to_mm2(sum);
+}
+
+geom::Region ring_area(double radius, double width) {
+  geom::Region r{geom::make_circle({}, from_mm(radius + width / 2), 96),
+                 {geom::make_circle({}, from_mm(radius - width / 2), 96)}};
+  geom::reverse(r.holes[0]);
+  return r;
+}
+
+double volume_per_height(const std::vector<toolpath::CentreLine>& lines) {
+  double sum = 0;
+  for (const auto& line : lines)
+    for (std::size_t i = 0; i + 1 < line.points.size(); ++i)
+      sum += geom::distance(line.points[i], line.points[i + 1]) / geom::kNmPerMm * 0.5 *
+             (line.width_mm[i] + line.width_mm[i + 1]);
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("a triangulation covers its region exactly and only with positive triangles") {
+  geom::Region square = rectangle(0, 0, 10, 10);
+  for (const double x : {1.0, 4.0, 7.0}) {
+    geom::Ring hole = rectangle(x, 2, x + 1.5, 7).outer;
+    geom::reverse(hole);
+    square.holes.push_back(hole);
+  }
+  for (const geom::Region& region : {rectangle(0, 0, 20, 0.3), ring_area(5, 0.4), square}) {
+    const auto t = toolpath::triangulate(region);
+    CHECK(triangle_area_mm2(t) == Approx(geom::to_mm2(geom::area(region))).epsilon(1e-9));
+    for (const auto& tri : t.triangles)
+      CHECK(geom::area(
+                geom::Ring{t.points[tri.corner[0]], t.points[tri.corner[1]], t.points[tri.corner[2]]}) >= 0);
+  }
+}
+
+TEST_CASE("a strip's centre line runs down its middle with its width") {
+  for (const double width : {0.2, 0.5, 0.9}) {
+    const auto lines = toolpath::centre_lines(rectangle(0, 0, 20, width));
+    REQUIRE(lines.size() == 1);
+    for (std::size_t i = 0; i < lines[0].points.size(); ++i) {
+      // At its ends, where the strip's corners meet, the line may be off by a little.
+      const double x = geom::to_mm(lines[0].points[i].x);
+      const bool at_end = x < width || x > 20 - width;
+      CHECK(geom::to_mm(lines[0].points[i].y) == Approx(width / 2).margin(at_end ? 0.06 * width : 1e-5));
+      CHECK(lines[0].width_mm[i] == Approx(width).epsilon(0.02));
+    }
+    const double length = geom::length(lines[0].points) / geom::kNmPerMm;
+    CHECK(length <= 20);
+    CHECK(length >= 20 - 2 * 0.4);
+  }
+}
+
+TEST_CASE("a thin ring's centre line is closed and takes up its area") {
+  const geom::Region region = ring_area(8, 0.4);
+  const auto lines = toolpath::centre_lines(region);
+  REQUIRE(lines.size() == 1);
+  CHECK(lines[0].closed);
+  CHECK(lines[0].points.front() == lines[0].points.back());
+  CHECK(volume_per_height(lines) == Approx(geom::to_mm2(geom::area(region))).epsilon(0.03));
+}
+
+TEST_CASE("thin walls of every width are printed with about their volume") {
+  for (double width = 0.3; width <= 1.65; width += 0.05) {
+    auto s = bare_settings();
+    s.slice.infill_density = 1;
+    CAPTURE(width);
+    const auto plan = toolpath::build(box_stack(30, width, 1), s);
+    const double part = 30 * width * 1;
+    double printed = 0;
+    for (const auto& path : plan.layers[2].paths) printed += volume_mm3(path);
+    printed *= static_cast<double>(plan.layers.size());
+    CHECK(printed > 0.85 * part);
+    CHECK(printed < 1.12 * part);
+  }
+}
+
+TEST_CASE("walls that narrow to nothing keep their beads inside") {
+  auto s = bare_settings();
+  const auto stack = stack_of(1, 0.2, [](double) {
+    return geom::Regions{
+        {{{from_mm(50), from_mm(50)}, {from_mm(80), from_mm(50)}, {from_mm(50), from_mm(52.5)}}, {}}};
+  });
+  const auto plan = toolpath::build(stack, s);
+  const geom::Regions allowed = geom::offset(stack[2].regions, from_mm(0.08));
+  for (const auto& path : plan.layers[2].paths) {
+    const auto over = geom::clip_outside({line_of(path)}, allowed);
+    CHECK(over.empty());
+  }
+  const geom::Regions bare =
+      geom::subtract(stack[2].regions, covered(
+                                           plan.layers[2], [](const auto&) { return true; }, 0.05));
+  CHECK(geom::to_mm2(geom::area(geom::open(bare, from_mm(0.1)))) <
+        0.1 * geom::to_mm2(geom::area(stack[2].regions)));
+}

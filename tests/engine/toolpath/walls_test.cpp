@@ -1,0 +1,144 @@
+#include "engine/toolpath/edge_grid.h"
+#include "engine/toolpath/order.h"
+#include "engine/toolpath/perimeters.h"
+#include "engine/toolpath/seam.h"
+#include "tests/engine/toolpath/shapes.h"
+
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+using namespace voidpath;
+using namespace voidpath::test;
+using geom::from_mm;
+using toolpath::Role;
+
+TEST_CASE("as many walls as asked, around the outside and around holes, the inner ones first") {
+  for (const int n : {1, 2, 3, 5}) {
+    auto s = bare_settings();
+    s.slice.perimeters = n;
+    const auto plan = toolpath::build(cup_stack(40, 2, 12, 1), s);
+    const auto& floor = plan.layers[2];
+    CHECK(count(floor, Role::external_perimeter) == 1);
+    CHECK(count(floor, Role::perimeter) == static_cast<std::size_t>(n - 1));
+    const auto& wall = plan.layers[8];
+    CHECK(count(wall, Role::external_perimeter) == 2);
+    CHECK(count(wall, Role::perimeter) == static_cast<std::size_t>(2 * (n - 1)));
+    if (n > 1) CHECK(wall.paths.front().role == Role::perimeter);
+    s.slice.external_perimeters_first = true;
+    CHECK(toolpath::build(cup_stack(40, 2, 12, 1), s).layers[8].paths.front().role ==
+          Role::external_perimeter);
+  }
+}
+
+TEST_CASE("walls lie half a bead inside the outline and one spacing apart") {
+  const toolpath::BeadSize bead{0.45, 0.2};
+  const auto p = toolpath::make_perimeters(rectangle(0, 0, 20, 10), 3, bead);
+  REQUIRE(p.walls.size() == 1);
+  REQUIRE(p.walls[0].size() == 3);
+  for (int depth = 0; depth < 3; ++depth) {
+    const auto box = *geom::bounds(p.walls[0][static_cast<std::size_t>(depth)].ring);
+    CHECK(geom::to_mm(box.min.x) == Approx(0.225 + depth * bead.spacing_mm()).margin(0.003));
+    CHECK(geom::to_mm(box.max.y) == Approx(10 - 0.225 - depth * bead.spacing_mm()).margin(0.003));
+  }
+  CHECK(p.gaps.empty());
+  CHECK(geom::to_mm(geom::bounds(p.inner)->min.x) == Approx(0.225 + 2.5 * bead.spacing_mm()).margin(0.003));
+}
+
+TEST_CASE("beads never leave the outline") {
+  auto s = bare_settings();
+  for (const auto& stack : {cup_stack(30, 4, 1.7, 1), cone_stack(15, 6, 2), arch_stack(20, 10, 6, 2, 4)}) {
+    const auto plan = toolpath::build(stack, s);
+    for (std::size_t i = 0; i < plan.layers.size(); ++i) {
+      geom::Polylines lines;
+      for (const auto& path : plan.layers[i].paths) lines.push_back(line_of(path));
+      const auto inside = geom::offset(stack[i].regions, -from_mm(0.12));
+      CHECK(geom::clip_outside(lines, inside).empty());
+    }
+  }
+}
+
+TEST_CASE("a solid's beads add up to its volume") {
+  auto s = bare_settings();
+  s.slice.infill_density = 1;
+  const auto stack = cone_stack(15, 6, 8);
+  double part = 0;
+  for (const auto& layer : stack) part += geom::to_mm2(geom::area(layer.regions)) * layer.span.height_mm();
+  CHECK(volume_mm3(toolpath::build(stack, s)) == Approx(part).epsilon(0.03));
+}
+
+TEST_CASE("seams: aligned ones stay, rear ones lie behind, corners are preferred") {
+  auto s = bare_settings();
+  s.slice.seam = toolpath::SeamPosition::aligned;
+  auto plan = toolpath::build(box_stack(20, 20, 4), s);
+  auto seam = [](const toolpath::LayerPlan& layer) {
+    for (const auto& p : layer.paths)
+      if (p.role == Role::external_perimeter) return p.points.front();
+    return geom::Point{};
+  };
+  for (const auto& layer : plan.layers)
+    CHECK(geom::distance(seam(layer), seam(plan.layers[0])) < 0.05 * geom::kNmPerMm);
+  s.slice.seam = toolpath::SeamPosition::rear;
+  plan = toolpath::build(cone_stack(15, 4, 12), s);
+  for (const auto& layer : plan.layers) {
+    const auto box = *geom::bounds(layer.outline);
+    CHECK(geom::to_mm(box.max.y - seam(layer).y) < 0.6);
+  }
+  // An L: its inner corner hides a seam best.
+  const geom::Ring l{{0, 0},
+                     {from_mm(10), 0},
+                     {from_mm(10), from_mm(4)},
+                     {from_mm(4), from_mm(4)},
+                     {from_mm(4), from_mm(10)},
+                     {0, from_mm(10)}};
+  toolpath::SeamChooser chooser(toolpath::SeamPosition::nearest);
+  chooser.begin_layer();
+  CHECK(chooser.choose(l, {from_mm(5), from_mm(5)}) == 3);
+}
+
+TEST_CASE("an order visits every stop once and is no longer than the order given") {
+  std::vector<toolpath::Stop> stops;
+  std::uint64_t seed = 42;
+  auto next = [&] {
+    return static_cast<geom::Coord>((seed = seed * 6364136223846793005ULL + 1442695040888963407ULL) >> 40);
+  };
+  for (int i = 0; i < 120; ++i) {
+    const geom::Point a{next(), next()};
+    stops.push_back({a, {a.x + 1000000, a.y}, i % 3 != 0});
+  }
+  const auto seq = toolpath::order_stops(stops, {});
+  std::vector<int> seen(stops.size(), 0);
+  double ordered = 0, given = 0;
+  geom::Point at{}, at_given{};
+  for (std::size_t i = 0; i < seq.size(); ++i) {
+    const auto& s = stops[seq[i].index];
+    CHECK((!seq[i].reversed || s.reversible));
+    ++seen[seq[i].index];
+    ordered += geom::distance(at, seq[i].reversed ? s.out : s.in);
+    at = seq[i].reversed ? s.in : s.out;
+    given += geom::distance(at_given, stops[i].in);
+    at_given = stops[i].out;
+  }
+  for (const int n : seen) CHECK(n == 1);
+  CHECK(ordered < 0.3 * given);
+}
+
+TEST_CASE("the edge grid agrees with plain geometry") {
+  geom::Region r{geom::make_circle({}, from_mm(10), 37),
+                 {geom::make_circle({from_mm(2), from_mm(1)}, from_mm(3), 11)}};
+  geom::reverse(r.holes[0]);
+  const toolpath::EdgeGrid grid(geom::Regions{r});
+  for (int x = -11; x <= 11; ++x)
+    for (int y = -11; y <= 11; ++y) {
+      const geom::Point p{from_mm(x + 0.013), from_mm(y + 0.017)};
+      CHECK(grid.contains(p) == geom::contains(r, p));
+    }
+  CHECK(grid.contains(geom::Point{from_mm(-8), 0}, geom::Point{from_mm(-5), from_mm(5)}));
+  CHECK_FALSE(grid.contains(geom::Point{from_mm(-8), from_mm(1)}, geom::Point{from_mm(8), from_mm(1)}));
+  const auto pieces = grid.split({{from_mm(-12), from_mm(1)}, {from_mm(12), from_mm(1)}});
+  REQUIRE(pieces.size() == 5);
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    CHECK(pieces[i].inside == (i % 2 == 1));
+    if (i > 0) CHECK(pieces[i].points.front() == pieces[i - 1].points.back());
+  }
+}
