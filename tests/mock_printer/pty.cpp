@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <stdlib.h>
+#include <sys/inotify.h>
 #include <termios.h>
 #include <time.h>
 #include <unistd.h>
@@ -44,43 +45,52 @@ void Pty::plug() {
   ::cfmakeraw(&settings);
   ::tcsetattr(slave, TCSANOW, &settings);
   ::close(slave);
+  watch_ = ::inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
+  if (watch_ < 0 || ::inotify_add_watch(watch_, name, IN_OPEN | IN_CLOSE) < 0) fail(name);
   // Linked under a temporary name first: whoever looks sees the old port or the new one.
   const std::string fresh = link_ + ".new";
   ::unlink(fresh.c_str());
   if (::symlink(name, fresh.c_str()) != 0 || ::rename(fresh.c_str(), link_.c_str()) != 0) fail(link_);
-  connected_ = opened_ = ever_ = false;
+  opens_ = 0;
+  opened_ = ever_ = false;
 }
 
 void Pty::unplug() {
   if (master_ < 0) return;
   ::unlink(link_.c_str());
   ::close(master_);
-  master_ = -1;
-  connected_ = false;
+  ::close(watch_);
+  master_ = watch_ = -1;
+  opens_ = 0;
+}
+
+void Pty::look_for_hosts() {
+  alignas(inotify_event) char buffer[4096];
+  const ssize_t n = ::read(watch_, buffer, sizeof buffer);
+  for (ssize_t at = 0; at < n;) {
+    const auto* event = reinterpret_cast<const inotify_event*>(buffer + at);
+    at += static_cast<ssize_t>(sizeof(inotify_event) + event->len);
+    if ((event->mask & IN_OPEN) != 0 && ++opens_ == 1) opened_ = ever_ = true;
+    if ((event->mask & IN_CLOSE) != 0 && opens_ > 0) --opens_;
+  }
 }
 
 void Pty::read(std::string& into) {
   if (master_ < 0) return;
+  look_for_hosts();
   char buffer[4096];
   for (;;) {
     const ssize_t n = ::read(master_, buffer, sizeof buffer);
-    if (n > 0) {
-      into.append(buffer, static_cast<std::size_t>(n));
-      if (!connected_) connected_ = opened_ = ever_ = true;
-      if (static_cast<std::size_t>(n) == sizeof buffer) continue;
-      return;
-    }
     if (n < 0 && errno == EINTR) continue;
-    const bool here = n < 0 && errno == EAGAIN;  // EIO: nobody has the other end open
-    if (here && !connected_) opened_ = ever_ = true;
-    connected_ = here;
-    return;
+    if (n <= 0) return;  // nothing there, or nobody has the other end open
+    into.append(buffer, static_cast<std::size_t>(n));
+    if (static_cast<std::size_t>(n) < sizeof buffer) return;
   }
 }
 
 void Pty::write(std::string& from) {
   // Before the first host comes the kernel keeps the greeting for it; later a closed port swallows all.
-  if (master_ < 0 || (!connected_ && ever_)) {
+  if (master_ < 0 || (!connected() && ever_)) {
     from.clear();
     return;
   }
@@ -97,16 +107,10 @@ void Pty::write(std::string& from) {
 }
 
 void Pty::wait(double seconds) const {
-  // While no host is there poll() returns at once with a hang-up: look again a little later, s.
-  constexpr double kLookAgain = 0.002;
-  if (master_ < 0 || !connected_) {
-    const timespec pause = to_timespec(std::clamp(seconds, 0.0, kLookAgain));
-    ::nanosleep(&pause, nullptr);
-    return;
-  }
-  pollfd p{master_, POLLIN, 0};
   const timespec limit = to_timespec(std::max(seconds, 0.0));
-  ::ppoll(&p, 1, &limit, nullptr);
+  // While no host is there the port itself would report a hang-up again and again.
+  pollfd p[2] = {{watch_, POLLIN, 0}, {master_, POLLIN, 0}};
+  ::ppoll(p, master_ < 0 ? 0 : connected() ? 2 : 1, &limit, nullptr);
 }
 
 bool Pty::take_opened() {

@@ -22,7 +22,7 @@ class Pty {
   /// Waits until there is input or `seconds` have passed.
   void wait(double seconds) const;
   /// A host has the port open.
-  bool connected() const { return connected_; }
+  bool connected() const { return opens_ > 0; }
   /// A host has opened the port since the last call.
   bool take_opened();
 
@@ -33,9 +33,13 @@ class Pty {
   bool plugged() const { return master_ >= 0; }
 
  private:
+  void look_for_hosts();
+
   std::string link_;
   int master_ = -1;
-  bool connected_ = false, opened_ = false, ever_ = false;
+  int watch_ = -1;  ///< tells of opens and closes, even when one follows the other at once
+  int opens_ = 0;
+  bool opened_ = false, ever_ = false;
 };
 
 }  // namespace voidpath::test::mock
