@@ -156,7 +156,8 @@ LayerDraft draft_layer(const slice::Layer& layer, std::size_t index, LayerWalls&
   for (auto& island : walls.islands) {
     out.islands.push_back({std::move(island.walls), {}});
     for (const auto& gap : island.gaps)
-      for (const auto& line : centre_lines(gap)) add_gap_line(out.islands.back().fills, line, bead, s.resolution_mm);
+      for (const auto& line : centre_lines(gap))
+        add_gap_line(out.islands.back().fills, line, bead, s.resolution_mm);
   }
   const Sharer sharer(layer.regions);
   auto each = [&](const geom::Regions& areas, auto&& fill) {

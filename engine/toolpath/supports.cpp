@@ -45,8 +45,8 @@ class Builder {
     run::parallel_for(ctx_, n_, [&](std::size_t i) { forbidden_[i] = find_forbidden(i); });
     contact_.resize(n_);
     run::parallel_for(ctx_, n_, [&](std::size_t i) { place_contact(i, overhang[i]); });
-    if (settings_.support == SupportMode::plate) remove_above_part();
     merge_contacts();
+    if (settings_.support == SupportMode::plate) remove_above_part();
     drop_columns(out);
     run::parallel_for(ctx_, n_, [&](std::size_t i) { split_interface(i, out[i]); });
     return out;
@@ -89,12 +89,12 @@ class Builder {
     return out;
   }
 
-  /// For support from the plate alone: contacts with the part below them go.
+  /// For support from the plate alone: contacts with the part below them go. Contacts are by bearing layer.
   void remove_above_part() {
     Regions shadow;
-    for (std::size_t i = 1; i < n_; ++i) {
+    for (std::size_t i = 0; i < n_; ++i) {
       ctx_.check();
-      if (i < 2 || forbidden_[i - 1] != forbidden_[i - 2]) shadow = quick_unite(shadow, forbidden_[i - 1]);
+      if (i == 0 || forbidden_[i] != forbidden_[i - 1]) shadow = quick_unite(shadow, forbidden_[i]);
       if (!contact_[i].empty()) contact_[i] = quick_subtract(contact_[i], shadow);
     }
   }
