@@ -285,6 +285,7 @@ TEST_CASE("halt reaches a firmware whose queue is full", "[session]") {
   REQUIRE(rig.listener.wait_for<LineDone>(50));
   rig.port->halt("button");
   REQUIRE(rig.listener.wait_for<PrintFailed>());
+  REQUIRE(rig.listener.wait_for<Disconnected>());
   CHECK(rig.listener.last<PrintFailed>().reason == "button");
   CHECK(rig.listener.last<Disconnected>().reason == "button");
   CHECK(rig.peer->wait_for([](const ModelFirmware& firmware) { return firmware.dead; }));
