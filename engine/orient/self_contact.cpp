@@ -36,11 +36,11 @@ bool straddles(const std::array<double, 3>& h) {
   return low < 0 && high > 0;
 }
 
-std::array<double, 3> heights_over(const Vec3& origin, const Vec3& normal, const Corners& b) {
+std::array<double, 3> heights_over(const Vec3& origin, const Vec3& normal, const Corners& b, double touch) {
   std::array<double, 3> h{};
   for (std::size_t k = 0; k < 3; ++k) {
     h[k] = normal.dot(b[k] - origin);
-    if (std::abs(h[k]) <= kTouch) h[k] = 0;
+    if (std::abs(h[k]) <= touch) h[k] = 0;
   }
   return h;
 }
@@ -65,16 +65,16 @@ std::pair<double, double> crossing(const Corners& t, const std::array<double, 3>
 }
 
 /// Triangles in one plane overlap unless an edge of one has the other wholly beyond it.
-bool overlap_in_plane(const Corners& a, const Corners& b, const Vec3& normal) {
+bool overlap_in_plane(const Corners& a, const Corners& b, const Vec3& normal, double touch) {
   auto separated = [&](const Corners& p, const Corners& q, const Vec3& n) {
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3 edge = p[(k + 1) % 3] - p[k];
       const double length = edge.norm();
-      if (length <= kTouch) continue;
+      if (length <= touch) continue;
       const Vec3 outward = edge.cross(n) / length;
       double nearest = 1e300;
       for (const Vec3& c : q) nearest = std::min(nearest, outward.dot(c - p[k]));
-      if (nearest >= -kTouch) return true;
+      if (nearest >= -touch) return true;
     }
     return false;
   };
@@ -82,18 +82,18 @@ bool overlap_in_plane(const Corners& a, const Corners& b, const Vec3& normal) {
   return !separated(a, b, normal) && !separated(b, a, nb.dot(normal) > 0 ? normal : Vec3(-normal));
 }
 
-bool contact(const Corners& a, const Vec3& na, const Corners& b, const Vec3& nb) {
-  const std::array<double, 3> hb = heights_over(a[0], na, b);
-  const std::array<double, 3> ha = heights_over(b[0], nb, a);
+bool contact(const Corners& a, const Vec3& na, const Corners& b, const Vec3& nb, double touch) {
+  const std::array<double, 3> hb = heights_over(a[0], na, b, touch);
+  const std::array<double, 3> ha = heights_over(b[0], nb, a, touch);
   const bool flat = (hb[0] == 0 && hb[1] == 0 && hb[2] == 0) || (ha[0] == 0 && ha[1] == 0 && ha[2] == 0);
-  if (flat) return overlap_in_plane(a, b, na);
+  if (flat) return overlap_in_plane(a, b, na, touch);
   if (!straddles(hb) || !straddles(ha)) return false;
   const Vec3 line = na.cross(nb);
   const double length = line.norm();
   if (length == 0) return false;
   const auto [a0, a1] = crossing(a, ha, a[0], line / length);
   const auto [b0, b1] = crossing(b, hb, a[0], line / length);
-  return std::min(a1, b1) - std::max(a0, b0) > kTouch;
+  return std::min(a1, b1) - std::max(a0, b0) > touch;
 }
 
 /// Boxes around facets, halved along the longest side; leaves hold up to kLeaf facets.
@@ -173,6 +173,7 @@ class BoxTree {
 
 std::vector<std::pair<Index, Index>> find_self_contacts(const Solid& s, const run::Context& ctx) {
   if (s.triangles.empty()) return {};
+  const double touch = touch_mm(s);
   const BoxTree tree(s);
   constexpr std::size_t kChunk = 1024;
   const std::size_t chunks = (s.triangles.size() + kChunk - 1) / kChunk;
@@ -197,7 +198,7 @@ std::vector<std::pair<Index, Index>> find_self_contacts(const Solid& s, const ru
       const std::size_t before = found[chunk].size();
       tree.each_near(t, [&](Index u) {
         if (u <= t || s.triangle_normals[u].isZero(0) || share_edge(t, u)) return;
-        if (contact(a, n, corners(u), s.triangle_normals[u])) found[chunk].emplace_back(t, u);
+        if (contact(a, n, corners(u), s.triangle_normals[u], touch)) found[chunk].emplace_back(t, u);
       });
       std::sort(found[chunk].begin() + static_cast<std::ptrdiff_t>(before), found[chunk].end());
     }

@@ -8,8 +8,10 @@
 
 namespace voidpath::orient {
 
-/// Nearer than this counts as touching, not crossing: the noise of single-precision coordinates. mm
-inline constexpr double kTouch = 1e-5;
+/// Nearer than this share of the part's size counts as touching, not crossing: the noise of single-precision
+/// coordinates.
+inline constexpr double kTouchShare = 1e-7;
+inline double touch_mm(const Solid& solid) { return 2 * kTouchShare * solid.radius_mm; }
 
 /// Pairs of facets that run through one another or lie on one another, as indices in ascending order. Facets
 /// that share a corner or an edge, or just touch, do not count.

@@ -10,6 +10,9 @@ namespace voidpath::orient {
 
 namespace {
 
+/// Cracks as wide as this come from rounding to the grid of the polygons. nm
+constexpr geom::Coord kCrack = 2;
+
 int winding_about(Point2 p, const Contour& c, const std::vector<Point2>& q) {
   int w = 0;
   for (std::size_t i = c.begin, j = c.end - 1; i < c.end; j = i++) {
@@ -52,7 +55,7 @@ void append(const geom::Ring& ring, std::vector<Contour>& contours, std::vector<
   contours.push_back(c);
 }
 
-void unite(std::vector<Contour>& contours, std::vector<Point2>& points) {
+void unite(std::vector<Contour>& contours, std::vector<Point2>& points, double touch) {
   geom::Rings rings;
   for (const Contour& c : contours) {
     geom::Ring ring;
@@ -62,7 +65,7 @@ void unite(std::vector<Contour>& contours, std::vector<Point2>& points) {
   }
   geom::Regions regions = geom::unite(rings);
   // Bodies that lie on one another are one region, also where rounding left a crack between them.
-  if (regions.size() > 1) regions = geom::close(regions, geom::from_mm(kTouch));
+  if (regions.size() > 1) regions = geom::close(regions, std::max<geom::Coord>(kCrack, geom::from_mm(touch)));
   contours.clear();
   points.clear();
   for (const geom::Region& r : regions) {
@@ -78,6 +81,7 @@ void SliceFill::prepare(const Solid& solid, const Projection& p, const std::vect
   sound_ = solid.contacts.empty() && std::none_of(solid.shell_walls.begin(), solid.shell_walls.end(),
                                                   [](Wall w) { return w == Wall::swallowed; });
   crossed_.assign(slabs.size(), 0);
+  const double touch = touch_mm(solid);
   auto span = [&](Index t) {
     const auto& [a, b, c] = solid.triangles[t];
     return std::minmax({p.h[a], p.h[b], p.h[c]});
@@ -85,8 +89,8 @@ void SliceFill::prepare(const Solid& solid, const Projection& p, const std::vect
   for (const auto& [t, u] : solid.contacts) {
     const auto [t0, t1] = span(t);
     const auto [u0, u1] = span(u);
-    const double low = std::max(t0, u0) - kTouch;
-    const double high = std::min(t1, u1) + kTouch;
+    const double low = std::max(t0, u0) - touch;
+    const double high = std::min(t1, u1) + touch;
     auto i = std::lower_bound(slabs.begin(), slabs.end(), low,
                               [](const Slab& s, double h) { return s.middle_mm < h; });
     for (; i != slabs.end() && i->middle_mm <= high; ++i)
@@ -102,7 +106,7 @@ void SliceFill::settle(std::size_t i, std::vector<Contour>& contours, std::vecto
   const bool tangled = std::any_of(contours.begin(), contours.end(),
                                    [&](const Contour& c) { return solid_->shell_tangled[c.shell] != 0; });
   if (crossed_[i] != 0) {
-    unite(contours, points);
+    unite(contours, points, touch_mm(*solid_));
   } else if (tangled) {
     settle_nested(contours, points);
   }

@@ -1,5 +1,7 @@
 #include "engine/orient/slice_regions.h"
 
+#include "engine/orient/segment_distance.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,27 +12,11 @@ namespace {
 
 constexpr std::size_t kLeaf = 4;  ///< segments to a leaf of a ring's box tree
 
-double squared(double v) { return v * v; }
-
 template <class Box>
 double gap2(const Box& a, const Box& b) {
   const double x = std::max({0.0, a.x0 - b.x1, b.x0 - a.x1});
   const double y = std::max({0.0, a.y0 - b.y1, b.y0 - a.y1});
   return x * x + y * y;
-}
-
-double to_segment2(Point2 p, Point2 a, Point2 b) {
-  const double dx = b.x - a.x;
-  const double dy = b.y - a.y;
-  const double length2 = dx * dx + dy * dy;
-  const double t = length2 > 0 ? std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / length2, 0.0, 1.0) : 0.0;
-  return squared(a.x + t * dx - p.x) + squared(a.y + t * dy - p.y);
-}
-
-/// Of segments that do not cross.
-double segments2(Point2 a, Point2 b, Point2 c, Point2 d) {
-  return std::min(std::min(to_segment2(a, c, d), to_segment2(b, c, d)),
-                  std::min(to_segment2(c, a, b), to_segment2(d, a, b)));
 }
 
 }  // namespace
@@ -40,7 +26,7 @@ SliceRegions::Ring SliceRegions::make_ring(const Contour& c) {
   const std::size_t n = c.end - c.begin;
   std::size_t leaves = 1;
   while (leaves * kLeaf < n) leaves *= 2;
-  Ring r{c.begin, c.end, c.area_mm2, boxes_.size(), leaves, {}};
+  Ring r{c.begin, c.end, c.area_mm2, boxes_.size(), leaves, {}, 0};
   constexpr double kFar = std::numeric_limits<double>::infinity();
   boxes_.resize(boxes_.size() + 2 * leaves, Box{kFar, kFar, -kFar, -kFar});
   Box* tree = boxes_.data() + r.tree;  // heap order from 1
@@ -59,6 +45,7 @@ SliceRegions::Ring SliceRegions::make_ring(const Contour& c) {
     tree[i] = {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
   }
   r.box = tree[1];
+  r.hull = hulls_.add(p, c.begin, c.end);
   return r;
 }
 
@@ -67,6 +54,7 @@ SliceMeasure SliceRegions::measure(const std::vector<Point2>& points, const std:
   outer_.clear();
   holes_.clear();
   boxes_.clear();
+  hulls_.clear();
   std::size_t count = 0;
   for (const Contour& c : contours) count += c.area_mm2 > kLeastArea ? 1 : 0;
   if (count < 2) return {static_cast<double>(count), 0};
@@ -109,8 +97,11 @@ double SliceRegions::region_distance(const Ring& a, const Ring& b) {
   return wall != nullptr ? distance(*wall, b) : 0.0;
 }
 
-/// Least distance between two rings that do not cross, by descending both box trees, nearest boxes first.
+/// Least distance between two rings that do not cross: by their hulls where that settles it, else by
+/// descending both box trees, nearest boxes first.
 double SliceRegions::distance(const Ring& a, const Ring& b) {
+  if (const HullDistance::Answer hulls = hulls_.between(a.hull, b.hull); hulls.exact)
+    return hulls.distance_mm;
   double best2 = std::numeric_limits<double>::infinity();
   stack_.clear();
   stack_.push_back({gap2(a.box, b.box), 1, 1});

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/orient/cross_section.h"
+#include "engine/orient/hull_distance.h"
 
 #include <vector>
 
@@ -31,6 +31,7 @@ class SliceRegions {
     std::size_t tree;        ///< its first box in boxes_
     std::size_t leaves;      ///< a power of two
     Box box;
+    std::size_t hull;  ///< in hulls_
   };
   Ring make_ring(const Contour& c);
   Box node(const Ring& r, std::size_t i) const { return boxes_[r.tree + i]; }
@@ -43,6 +44,7 @@ class SliceRegions {
   const std::vector<Point2>* points_ = nullptr;
   std::vector<Ring> outer_, holes_;
   std::vector<Box> boxes_;
+  HullDistance hulls_;
   struct NodePair {
     double gap2;
     std::size_t a, b;
