@@ -15,7 +15,7 @@ struct SliceOptions {
   double resolution_mm = 0.0;
 };
 
-/// Cuts the mesh at each span's middle. Frame: the mesh's own, which must stand on z = 0.
+/// Cuts the mesh at each span's middle; spans must ascend. Frame: the mesh's own, which must stand on z = 0.
 ///
 /// Rule for planes that graze the mesh: a vertex exactly at the height counts as above it. So a
 /// horizontal face at the plane belongs to what lies below it, no segment is ever doubled, and every
