@@ -19,7 +19,8 @@ constexpr std::size_t kSniff = 4096;
 
 class Estimation {
  public:
-  explicit Estimation(const motion::MachineLimits& limits) : planner_(limits, &tally_), machine_(planner_) {}
+  Estimation(const motion::MachineLimits& limits, const OnMotion& on_motion)
+      : tally_(on_motion), planner_(limits, &tally_), machine_(planner_) {}
 
   void line(std::string_view text) {
     const Line parts = split_line(text);
@@ -56,7 +57,7 @@ class Estimation {
     ++commands_;
     planner_.receive(code.size());
     const bool was_moved = machine_.moved();
-    const Effect effect = machine_.run(command, tally_.tag());
+    const Effect effect = machine_.run(command, tally_.tag(lines_));
     planner_.confirm();
     switch (effect.kind) {
       case Effect::Kind::none:
@@ -119,8 +120,9 @@ void refuse_unless_text(std::istream& in, const std::string& name) {
 
 }  // namespace
 
-Estimate estimate(std::istream& in, const motion::MachineLimits& limits, const run::Context& ctx) {
-  Estimation estimation(limits);
+Estimate estimate(std::istream& in, const motion::MachineLimits& limits, const run::Context& ctx,
+                  const OnMotion& on_motion) {
+  Estimation estimation(limits, on_motion);
   run_all(in, estimation, 0, ctx);
   ctx.progress("estimate", 1);
   return estimation.result();
@@ -134,7 +136,7 @@ Estimate estimate_file(const std::filesystem::path& file, const motion::MachineL
   if (!in) throw std::runtime_error(file.string() + ": cannot be opened");
   refuse_unless_text(in, file.string());
   const std::uint64_t size = std::filesystem::file_size(file, error);
-  Estimation estimation(limits);
+  Estimation estimation(limits, {});
   try {
     run_all(in, estimation, error ? 0 : size, ctx);
   } catch (const std::runtime_error& failure) {

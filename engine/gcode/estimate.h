@@ -1,8 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <iosfwd>
 #include <filesystem>
+#include <functional>
+#include <iosfwd>
 #include <map>
 #include <string>
 #include <vector>
@@ -46,9 +47,14 @@ struct Estimate {
   std::vector<std::string> notes;
 };
 
+/// Told when each piece of motion begins and ends, in order: the file's line (0-based) that asked for it and
+/// seconds on predicted_s' clock. An arc is several pieces; a line too short to move by itself is none.
+using OnMotion = std::function<void(std::size_t line, double begin_s, double end_s)>;
+
 /// Reads G-code (any slicer's) and times it, streaming, in constant memory but for the list of layers.
 /// Lines are counted as in the file. Throws std::runtime_error if the stream fails; run::Stopped.
-Estimate estimate(std::istream& in, const motion::MachineLimits& limits, const run::Context& ctx = {});
+Estimate estimate(std::istream& in, const motion::MachineLimits& limits, const run::Context& ctx = {},
+                  const OnMotion& on_motion = {});
 /// Throws std::runtime_error naming the file when it cannot be read or is not G-code text.
 Estimate estimate_file(const std::filesystem::path& file, const motion::MachineLimits& limits,
                        const run::Context& ctx = {});

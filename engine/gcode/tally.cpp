@@ -9,7 +9,7 @@ namespace {
 /// More names than any slicer has; bounds memory on odd input.
 constexpr std::size_t kMostFeatures = 256;
 constexpr std::size_t kMostFeatureName = 80;
-constexpr std::size_t kMostLayers = 1'000'000;
+constexpr std::uint32_t kMostLayers = 1'000'000;
 /// Heights closer than this are one layer. mm
 constexpr double kSameHeight_mm = 1e-3;
 
@@ -18,12 +18,15 @@ constexpr double kSameHeight_mm = 1e-3;
 void Tally::on_block(const motion::TimedBlock& timed) {
   const motion::Block& block = *timed.block;
   ++sums_.blocks;
-  add_to_layer(static_cast<std::uint32_t>(block.tag >> 32), timed.duration_t);
+  const std::uint64_t layer = block.tag >> kLayerShift & ((1U << (kLineShift - kLayerShift)) - 1);
+  const std::size_t feature = block.tag & ((1U << kLayerShift) - 1);
+  add_to_layer(static_cast<std::uint32_t>(layer), timed.duration_t);
+  if (on_motion_) on_motion_(block.tag >> kLineShift, timed.start_t, timed.start_t + timed.duration_t);
   switch (block.kind) {
     case motion::MoveKind::extrude:
       sums_.extruding_s += timed.duration_t;
       sums_.extruding_mm += static_cast<double>(block.length_d);
-      features_[static_cast<std::uint32_t>(block.tag)].second += timed.duration_t;
+      features_[feature].second += timed.duration_t;
       break;
     case motion::MoveKind::travel:
       sums_.travel_s += timed.duration_t;
@@ -42,7 +45,7 @@ void Tally::add_to_layer(std::uint32_t layer, double seconds) {
 }
 
 void Tally::open_layer(double z_mm, std::size_t line) {
-  if (layers_.size() >= kMostLayers) return;
+  if (layer_ >= kMostLayers) return;
   ++layer_;
   layers_.push_back({z_mm, static_cast<std::uint32_t>(line), 0});
 }

@@ -7,7 +7,9 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace voidpath::gcode {
@@ -16,7 +18,12 @@ namespace voidpath::gcode {
 /// line that asked for it, so each carries the layer and feature of its line in its tag.
 class Tally : public motion::BlockListener {
  public:
-  std::uint64_t tag() const { return (std::uint64_t{layer_} << 32) | feature_; }
+  explicit Tally(OnMotion on_motion) : on_motion_(std::move(on_motion)) {}
+
+  /// Of a command in that line.
+  std::uint64_t tag(std::size_t line) const {
+    return std::uint64_t{line} << kLineShift | std::uint64_t{layer_} << kLayerShift | feature_;
+  }
 
   void on_block(const motion::TimedBlock& timed) override;
   void on_remark(const Remark& remark, std::size_t line);
@@ -33,6 +40,10 @@ class Tally : public motion::BlockListener {
   void add_to_layer(std::uint32_t layer, double seconds);
   std::uint32_t feature_id(std::string_view name);
 
+  static constexpr unsigned kLayerShift = 8;  ///< features below
+  static constexpr unsigned kLineShift = 28;  ///< 20 bits of layer below
+
+  OnMotion on_motion_;
   Estimate sums_;
   std::vector<LayerTime> layers_;
   std::uint32_t layer_ = 0;        ///< of lines to come; layer n is layers_[n - first_layer_ - 1]

@@ -8,6 +8,7 @@
 #include <random>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <catch2/catch.hpp>
 
@@ -162,6 +163,21 @@ TEST_CASE("firmware retraction moves filament behind the file's back", "[gcode]"
   CHECK(out.retractions == 1);
   CHECK(out.filament_mm == Approx(2));
   CHECK(out.retract_s > 2 * 2 / 20.0);
+}
+
+TEST_CASE("each line's motion is told as it becomes final", "[gcode]") {
+  std::istringstream in(";head\nG1 X10 F3000\n\nG1 X10.0005\nG1 X60\nG4 S1\nG2 X70 R5\n");
+  std::vector<std::size_t> lines;
+  double last_s = 0;
+  const Estimate out =
+      gcode::estimate(in, test::plain_limits(), {}, [&](std::size_t line, double begin_s, double end_s) {
+        CHECK(begin_s >= last_s);
+        CHECK(end_s > begin_s);
+        if (lines.empty() || lines.back() != line) lines.push_back(line);
+        last_s = end_s;
+      });
+  CHECK(lines == std::vector<std::size_t>{1, 4, 6});  // line 3 asks for half a step
+  CHECK(last_s == Approx(out.predicted_s));
 }
 
 TEST_CASE("a slow line is said to be the brake", "[gcode]") {
