@@ -1,6 +1,8 @@
 #include "tests/mock_printer/command.h"
 
+#include <algorithm>
 #include <charconv>
+#include <cmath>
 
 namespace voidpath::test::mock {
 namespace {
@@ -41,8 +43,10 @@ std::optional<double> Command::value(char parameter) const {
   double number = 0;
   const auto [end, error] =
       std::from_chars(text_.data() + at, text_.data() + text_.size(), number, std::chars_format::fixed);
-  if (error != std::errc()) return std::nullopt;
-  return number;
+  if (error != std::errc() || !std::isfinite(number)) return std::nullopt;
+  // The firmware's own numbers end somewhere too; steps and integers made of this one stay in range.
+  constexpr double kLargest = 2e9;
+  return std::clamp(number, -kLargest, kLargest);
 }
 
 }  // namespace voidpath::test::mock

@@ -138,6 +138,20 @@ TEST_CASE("cold extrusion is prevented and said") {
   CHECK(say(rig.printer, "G1 X20 E10 F600\n") == "ok\n");
 }
 
+TEST_CASE("an extrusion longer than 200 mm is prevented and said") {
+  Rig rig;
+  CHECK(say(rig.printer, "G1 E201 F600\n") == "echo: too long extrusion prevented\nok\n");
+  CHECK(say(rig.printer, "G1 E202 F600\n") == "ok\n");
+}
+
+TEST_CASE("damaged numbers cannot run away") {
+  Rig rig;
+  for (const char* line :
+       {"G1 Xnan Y1", "G1 X99999999999999999999 F1e9", "G1 X-1e400", "G4 P-5", "M220 S0", "M203 X0", "M92 Y0",
+        "M201 X-7", "G1 X5 Y5", "M204 S0", "G1 X6 Y6", "G92 E99999999", "G1 E-9e9"})
+    CHECK(run(rig.printer, line).find("ok\n") != std::string::npos);
+}
+
 TEST_CASE("positions follow G90, G91, G92, M82, M83 and G28") {
   Rig rig;
   for (const char* line : {"G91", "G1 X10 Y5 E2 F6000", "G1 X-2", "M82", "G1 E1", "G90", "G92 E0", "M83"})

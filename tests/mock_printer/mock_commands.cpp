@@ -94,9 +94,11 @@ void MockMarlin::wait_heat(const Command& c, bool bed) {
 bool MockMarlin::execute_settings(const Command& c) {
   if (c.letter() != 'M') return false;
   MotionSettings& s = motion_.settings();
+  // Nonsense (a damaged line) does not get the arithmetic out of range.
+  constexpr double kLeast = 0.01, kMost = 1e5;
   const auto axes = [&](Axes& values) {
     for (std::size_t i = 0; i < kAxes; ++i)
-      if (const auto v = c.value(kAxisLetters[i])) values[i] = *v;
+      if (const auto v = c.value(kAxisLetters[i])) values[i] = std::clamp(*v, kLeast, kMost);
   };
   switch (c.code()) {
     case 82:
@@ -125,13 +127,16 @@ bool MockMarlin::execute_settings(const Command& c) {
       if (const auto v = c.value('S')) s.min_speed = *v;
       if (const auto v = c.value('T')) s.min_travel_speed = *v;
       if (const auto v = c.value('J')) {
-        constexpr double kLeast = 0.01, kMost = 0.3;
-        if (*v >= kLeast && *v <= kMost)
+        constexpr double kLeastJ = 0.01, kMostJ = 0.3;
+        if (*v >= kLeastJ && *v <= kMostJ)
           s.junction_deviation = *v;
         else
           write_line("Error:?J out of range (0.01 to 0.3)");
       }
-      if (s.classic_jerk) axes(s.jerk);
+      if (s.classic_jerk)
+        axes(s.jerk);
+      else if (!c.has('B') && !c.has('S') && !c.has('T') && !c.has('J'))
+        report_settings();  // nothing in it for this firmware: taken as a question
       return true;
     case 220:
       if (const auto v = c.value('S')) feed_factor_ = *v / 100;

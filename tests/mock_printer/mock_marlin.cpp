@@ -72,6 +72,7 @@ void MockMarlin::receive(char byte) {
   else
     faults_.pass_byte(byte, false, arrived);
   for (const char c : arrived) {
+    if (halted_) return;  // deaf until reset
     if (now_ < boot_until_) {
       ++totals_.bytes_dropped;
       continue;
@@ -234,6 +235,7 @@ void MockMarlin::handle_result(const LineResult& result) {
 void MockMarlin::emergency(std::string_view line) {
   const Command command(line);
   if (command.is('M', 112)) {
+    ++totals_.commands;
     if (log_) log_(command.text());
     halt_with("echo:M112 Shutdown\n");
   } else if (command.is('M', 108)) {

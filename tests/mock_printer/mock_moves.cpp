@@ -10,6 +10,8 @@ namespace voidpath::test::mock {
 namespace {
 
 constexpr double kSecondsPerMinute = 60;
+/// Positions end here, so that steps stay far within 32 bits, mm.
+constexpr double kFarthest = 1e5;
 
 }  // namespace
 
@@ -76,6 +78,8 @@ Axes MockMarlin::target_of(const Command& c) {
     if (!v) continue;
     const bool relative = i == kE ? relative_e_ : relative_;
     target[i] = relative ? position_[i] + *v : *v;
+    const double reach = i == kE ? kFarthest : options_.reach_mm;
+    target[i] = std::clamp(target[i], -reach, reach);
   }
   if (const auto f = c.value('F'); f && *f > 0) feed_ = *f / kSecondsPerMinute;
   return target;
@@ -89,6 +93,10 @@ void MockMarlin::move(const Command& c) {
   if (target[kE] != position_[kE] && !cold_allowed_ &&
       hotend().temperature() < options_.min_extrusion_temperature) {
     write_line("echo: cold extrusion prevented");
+    position_[kE] = target[kE];
+    motion_.set_e_position(position_[kE]);
+  } else if (std::abs(target[kE] - position_[kE]) > options_.max_extrusion_mm) {
+    write_line("echo: too long extrusion prevented");
     position_[kE] = target[kE];
     motion_.set_e_position(position_[kE]);
   }
@@ -172,7 +180,7 @@ void MockMarlin::set_position(const Command& c) {
     if (!v) continue;
     any = true;
     xyz = xyz || i != kE;
-    position_[i] = *v;
+    position_[i] = std::clamp(*v, -kFarthest, kFarthest);
   }
   if (!any) {
     position_ = {};

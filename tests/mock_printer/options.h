@@ -24,6 +24,8 @@ struct Options {
   bool parenthesis_comments = false;
   bool cold_extrusion = false;  ///< extrude at any temperature
   double min_extrusion_temperature = 170;
+  double max_extrusion_mm = 200;  ///< longer ones in one move are prevented
+  double reach_mm = 1000;         ///< X, Y and Z are held within this distance of 0, as by soft endstops
   double busy_interval_s = 2;
   double leveling_s = 30;  ///< G29
   double homing_speed_mm_s = 50;

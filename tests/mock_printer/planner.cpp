@@ -105,6 +105,9 @@ bool Planner::add_move(const Axes& target, double feed, double flow) {
 
 /// Sets nominal speed and rate and the speed of each axis, mm/s.
 void Planner::limit_speed(Block& block, double feed, const Axes& mm, Axes& speed) const {
+  // A feed of nothing would never end, one beyond this would leave the range of the rates, mm/s.
+  constexpr double kFastest = 1e4;
+  feed = std::clamp(feed, kMinimumPlannerSpeed, kFastest);
   feed = std::max(feed, block.steps[kE] != 0 ? settings_.min_speed : settings_.min_travel_speed);
   double per_second = feed / block.length;
   // A draining queue is stretched: a block shorter than the minimum time takes more of it the fewer wait.
@@ -122,7 +125,7 @@ void Planner::limit_speed(Block& block, double feed, const Axes& mm, Axes& speed
   for (double& s : speed) s *= factor;
   block.nominal_speed = block.length * per_second * factor;
   const double rate = std::ceil(block.step_events * per_second);
-  block.nominal_rate = static_cast<std::uint32_t>(factor < 1 ? rate * factor : rate);
+  block.nominal_rate = std::max(1U, static_cast<std::uint32_t>(factor < 1 ? rate * factor : rate));
 }
 
 /// Acceleration in steps/s² of the dominant axis, so that no axis exceeds its own.
@@ -140,7 +143,8 @@ void Planner::limit_acceleration(Block& block) const {
     const double allowed = std::floor(axis_limit * block.step_events / std::abs(block.steps[i]));
     rate = std::min(rate, allowed);
   }
-  block.acceleration_rate = static_cast<std::uint32_t>(std::max(rate, 1.0));
+  constexpr double kLeast = 1, kMost = 4e9;
+  block.acceleration_rate = static_cast<std::uint32_t>(std::clamp(rate, kLeast, kMost));
   block.acceleration = block.acceleration_rate / steps_per_mm;
 }
 

@@ -53,6 +53,7 @@ void Pty::plug() {
   if (::symlink(name, fresh.c_str()) != 0 || ::rename(fresh.c_str(), link_.c_str()) != 0) fail(link_);
   opens_ = 0;
   opened_ = ever_ = false;
+  news_ = true;
 }
 
 void Pty::unplug() {
@@ -65,6 +66,7 @@ void Pty::unplug() {
 }
 
 void Pty::look_for_hosts() {
+  news_ = false;
   alignas(inotify_event) char buffer[4096];
   const ssize_t n = ::read(watch_, buffer, sizeof buffer);
   for (ssize_t at = 0; at < n;) {
@@ -77,7 +79,9 @@ void Pty::look_for_hosts() {
 
 void Pty::read(std::string& into) {
   if (master_ < 0) return;
-  look_for_hosts();
+  // A look costs a system call; between two waits now and then is enough.
+  constexpr unsigned kLookEvery = 16;
+  if (news_ || ++reads_ % kLookEvery == 0) look_for_hosts();
   char buffer[4096];
   for (;;) {
     const ssize_t n = ::read(master_, buffer, sizeof buffer);
@@ -106,11 +110,11 @@ void Pty::write(std::string& from) {
   }
 }
 
-void Pty::wait(double seconds) const {
+void Pty::wait(double seconds) {
   const timespec limit = to_timespec(std::max(seconds, 0.0));
   // While no host is there the port itself would report a hang-up again and again.
   pollfd p[2] = {{watch_, POLLIN, 0}, {master_, POLLIN, 0}};
-  ::ppoll(p, master_ < 0 ? 0 : connected() ? 2 : 1, &limit, nullptr);
+  if (::ppoll(p, master_ < 0 ? 0 : connected() ? 2 : 1, &limit, nullptr) > 0) news_ = p[0].revents != 0;
 }
 
 bool Pty::take_opened() {

@@ -20,7 +20,7 @@ class Pty {
   /// Sends what fits; the rest stays in `from` unless no host is there (then nobody hears it).
   void write(std::string& from);
   /// Waits until there is input or `seconds` have passed.
-  void wait(double seconds) const;
+  void wait(double seconds);
   /// A host has the port open.
   bool connected() const { return opens_ > 0; }
   /// A host has opened the port since the last call.
@@ -40,6 +40,8 @@ class Pty {
   int watch_ = -1;  ///< tells of opens and closes, even when one follows the other at once
   int opens_ = 0;
   bool opened_ = false, ever_ = false;
+  bool news_ = true;  ///< the watch has something to tell
+  unsigned reads_ = 0;
 };
 
 }  // namespace voidpath::test::mock
