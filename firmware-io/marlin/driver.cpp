@@ -49,7 +49,7 @@ void Driver::settle(double t) {
   if (phase_ == Phase::identifying || phase_ == Phase::ready) {
     collect(t);
     pump(t);
-    check_health(t);
+    check_health();
   }
 }
 
@@ -98,11 +98,11 @@ void Driver::dispatch_ready(const Reply& reply, double t) {
   }
 }
 
-void Driver::on_error(const Error& error, double) {
+void Driver::on_error(const Error& error, double t) {
   if (error.kind == Error::Kind::framing) return;  // the window's business
   emit(Message{"Error: " + error.text});
   if (error.kind != Error::Kind::fatal) return;
-  for (const std::string& line : kHeatersOff) link_.send_raw(line, false, received_t_);
+  for (const std::string& line : kHeatersOff) link_.send_raw(line, false, t);
   fail(error.text);
 }
 
@@ -172,7 +172,11 @@ void Driver::pump(double t) {
   if (link_.wants_probe() && link_.may_send("M105")) link_.send("M105", {}, t);
 }
 
-void Driver::check_health(double) {
+void Driver::check_health() {
+  const std::uint64_t doubtful = link_.window().doubtful_requests();
+  if (std::exchange(doubtful_seen_, doubtful) != doubtful) {
+    emit(Message{"a line was wanted again after its ok: it may have run twice, or damaged"});
+  }
   switch (link_.window().health()) {
     case Window::Health::good:
       return;
@@ -252,9 +256,17 @@ void Driver::poll_temperature(double t) {
   if (controls_.empty()) controls_.push_back("M105");
 }
 
+LinkStats Driver::link_stats() const {
+  return {link_.lines_sent(), link_.window().resend_requests(), link_.bytes_sent(),
+          link_.window().limit_bytes()};
+}
+
 void Driver::report_stats() {
-  emit(LinkStats{link_.lines_sent(), link_.window().resend_requests(), link_.bytes_sent(),
-                 link_.window().limit_bytes()});
+  LinkStats stats = link_stats();
+  stats.lines_sent -= before_print_.lines_sent;
+  stats.resends -= before_print_.resends;
+  stats.bytes_sent -= before_print_.bytes_sent;
+  emit(stats);
 }
 
 void Driver::print(std::unique_ptr<LineSource> source, double t) {
@@ -263,9 +275,11 @@ void Driver::print(std::unique_ptr<LineSource> source, double t) {
     return;
   }
   stats_t_ = t;
+  before_print_ = link_stats();
   job_ = std::make_unique<PrintJob>(std::move(source), [this](auto what) {
     const bool last = std::holds_alternative<PrintFinished>(what) ||
-                      std::holds_alternative<PrintCancelled>(what) || std::holds_alternative<PrintFailed>(what);
+                      std::holds_alternative<PrintCancelled>(what) ||
+                      std::holds_alternative<PrintFailed>(what);
     if (last) report_stats();
     emit(std::move(what));
   });

@@ -84,12 +84,13 @@ class Driver {
   void collect(double t);
   void drop_finished_job();
   void pump(double t);
-  void check_health(double t);
+  void check_health();
   void poll_temperature(double t);
   bool reports_by_itself() const noexcept;
   double poll_at() const noexcept;
   void fail(const std::string& reason);
   void disconnect(const std::string& reason);
+  LinkStats link_stats() const;
   void report_stats();
   void note_sensors(const Sensors& sensors);
 
@@ -114,6 +115,8 @@ class Driver {
   double received_t_ = 0;
   double polled_t_ = 0;
   double stats_t_ = 0;
+  LinkStats before_print_;  ///< the link's counters when the print began
+  std::uint64_t doubtful_seen_ = 0;
 };
 
 }  // namespace voidpath::fw::marlin

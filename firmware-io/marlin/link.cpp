@@ -11,6 +11,9 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 // One `wait` may have crossed a line on its way; the second, a second later, cannot have.
 constexpr int kWaitsThatMeanLoss = 2;
 
+// A longer answer to the greeting tells of a busy printer, not of the wire.
+constexpr double kLongestRoundTrip_s = 0.2;
+
 }  // namespace
 
 Link::Link(WindowOptions options, Timing timing, double byte_s, const Clock& stamp, FlightRecorder& recorder)
@@ -21,6 +24,10 @@ void Link::restart(std::uint32_t last) {
   outstanding_.clear();
   held_ = false;
   waits_ = 0;
+}
+
+void Link::learn_round_trip(double seconds) noexcept {
+  round_trip_s_ = std::min(seconds, kLongestRoundTrip_s);
 }
 
 void Link::write(std::string_view framed, double t) {

@@ -43,7 +43,8 @@ class Link {
 
   /// Numbers begin after `last`; all that was outstanding is forgotten.
   void restart(std::uint32_t last);
-  void learn_round_trip(double seconds) { round_trip_s_ = seconds; }
+  /// The time from a line to its ok while the printer did nothing else.
+  void learn_round_trip(double seconds) noexcept;
 
   bool may_send(std::string_view payload) const noexcept { return window_.may_send(payload); }
   void send(std::string_view payload, Tag tag, double t);

@@ -15,7 +15,8 @@ int make_raw(int fd, int baud) noexcept {
   tty.c_oflag = 0;
   tty.c_lflag = 0;
   constexpr tcflag_t kOwnRate = BOTHER;  // the rates stand in c_ispeed and c_ospeed
-  tty.c_cflag = CS8 | CREAD | CLOCAL | kOwnRate | (kOwnRate << IBSHIFT);
+  // HUPCL: when we die, DTR falls, and the next opening resets the board: its heaters go off.
+  tty.c_cflag = CS8 | CREAD | CLOCAL | HUPCL | kOwnRate | (kOwnRate << IBSHIFT);
   tty.c_ispeed = tty.c_ospeed = static_cast<speed_t>(baud);
   tty.c_cc[VMIN] = 1;
   tty.c_cc[VTIME] = 0;

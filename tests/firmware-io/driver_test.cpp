@@ -291,6 +291,53 @@ TEST_CASE("a lost ok costs time and nothing else", "[driver]") {
   }
 }
 
+TEST_CASE("after an ok too many the end of a print is verified", "[driver]") {
+  DriverBench bench;
+  REQUIRE(bench.connect());
+  bench.duration = [](const std::string& command) {
+    return command == "M400" ? 30.0 : command == "M109 S200" ? 20.0 : 0.01;
+  };
+  bench.to_host = [&](std::string line) {
+    return line == "ok" && bench.firmware.executed.back() == "M109 S200" ? std::string("ok\nok") : line;
+  };
+  const Lines file = moves(100) + Lines{"M109 S200"} + moves(20);
+  bench.print(file);
+  REQUIRE(bench.run_until([&] { return over(bench); }, 120));
+  CHECK(bench.count<PrintFinished>() == 1);
+  CHECK(bench.firmware.executed.back() == "M105");
+  CHECK(bench.printed() == file + Lines{"M400"});
+}
+
+TEST_CASE("a doubled ok loses no line", "[driver]") {
+  for (int doubled = 1; doubled < 60; doubled += 7) {
+    DriverBench bench;
+    REQUIRE(bench.connect());
+    int oks = 0;
+    bench.to_host = [&](std::string line) {
+      return line == "ok" && ++oks == doubled ? std::string("ok\nok") : line;
+    };
+    const Lines file = moves(30) + Lines{"M109 S200"} + moves(20);
+    bench.print(file);
+    REQUIRE(bench.run_until([&] { return over(bench); }, 120));
+    bench.run_for(60);
+    CHECK(bench.count<PrintFinished>() == 1);
+    CHECK(bench.printed() == file + Lines{"M400"});
+  }
+}
+
+TEST_CASE("the statistics of a print are its own", "[driver]") {
+  DriverBench bench;
+  REQUIRE(bench.connect());
+  for (int i = 0; i < 2; ++i) {
+    bench.print(moves(20));
+    REQUIRE(bench.run_until([&] { return bench.count<PrintFinished>() == i + 1; }));
+    const auto& stats = bench.get<LinkStats>(bench.count<LinkStats>() - 1);
+    CHECK(stats.lines_sent == 21);
+    CHECK(stats.resends == 0);
+    CHECK(stats.window_bytes == 127);
+  }
+}
+
 TEST_CASE("a storm of faults in mid-print leaves each line once", "[driver]") {
   int undetectable = 0;
   for (unsigned seed = 0; seed < 40; ++seed) {

@@ -46,6 +46,7 @@ class Peer {
   void reset() {
     const std::lock_guard lock(mutex_);
     reset_ = true;
+    hold_at_.clear();
   }
   /// From this command on nothing is executed: the queue stands.
   void hold_at(std::string command) {
@@ -68,12 +69,12 @@ class Peer {
       pollfd fd{transport_->fd(), POLLIN, 0};
       ::poll(&fd, 1, 2);
       const std::lock_guard lock(mutex_);
+      if (std::exchange(reset_, false)) firmware_.reset();
       try {
         while (const auto n = transport_->read(buffer)) take({buffer.data(), n});
       } catch (const PortError&) {
         return;  // the host closed its end
       }
-      if (std::exchange(reset_, false)) firmware_.reset();
       work();
       changed_.notify_all();
     }
@@ -249,7 +250,6 @@ TEST_CASE("a printer reset in mid-print is printed on by nobody", "[session]") {
   rig.peer->hold_at("G1 X50 E150");
   rig.port->print(source(moves(500)));
   REQUIRE(rig.listener.wait_for<LineDone>(50));
-  rig.peer->hold_at("");
   rig.peer->reset();
   REQUIRE(rig.listener.wait_for<PrintFailed>());
   REQUIRE(rig.listener.wait_for<Connected>(2));
