@@ -13,6 +13,8 @@ namespace {
 constexpr double kGain = 1e-13;
 /// Hulls of a few hundred corners take ten steps; more than this is rounding going in circles.
 constexpr int kMostSteps = 64;
+/// A ring that leaves the straight line by less is straight: below the noise of single-precision files. mm
+constexpr double kFlat = 1e-6;
 
 double cross(Point2 o, Point2 a, Point2 b) { return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x); }
 
@@ -55,7 +57,7 @@ void HullDistance::clear() {
 std::size_t HullDistance::add(const std::vector<Point2>& points, std::size_t begin, std::size_t end) {
   sorted_.clear();
   for (std::size_t i = begin; i < end; ++i)
-    sorted_.push_back({points[i], static_cast<std::uint32_t>(i - begin)});
+    sorted_.push_back({points[i], static_cast<std::uint32_t>(i - begin), false});
   std::sort(sorted_.begin(), sorted_.end(), [](const Corner& a, const Corner& b) {
     if (a.p.x != b.p.x) return a.p.x < b.p.x;
     return a.p.y != b.p.y ? a.p.y < b.p.y : a.place < b.place;
@@ -93,6 +95,15 @@ std::size_t HullDistance::add(const std::vector<Point2>& points, std::size_t beg
     }
     h.extreme[s] = at;
   }
+  // A ring's hull takes its corners in the order the ring runs, counter-clockwise or clockwise.
+  double twice = 0;
+  for (std::size_t i = begin; i < end; ++i) {
+    const Point2 q = points[i + 1 == end ? begin : i + 1];
+    twice += (points[i].x - points[begin].x) * (q.y - points[begin].y) -
+             (q.x - points[begin].x) * (points[i].y - points[begin].y);
+  }
+  for (std::uint32_t i = 0; i < h.size; ++i)
+    corners_[h.begin + i].straight = runs_straight(h, i, points, begin, twice > 0);
   hulls_.push_back(h);
   return hulls_.size() - 1;
 }
@@ -114,10 +125,23 @@ std::uint32_t HullDistance::support(const Hull& h, double dx, double dy) const {
   return best;
 }
 
+/// Whether the ring runs straight from hull corner i to the next: corners of the ring in between lie on the
+/// line, as they do where a slice crosses the many facets of a flat face.
+bool HullDistance::runs_straight(const Hull& h, std::uint32_t i, const std::vector<Point2>& points,
+                                 std::size_t begin, bool ccw) const {
+  const Corner& from = corner(h, i);
+  const Corner& to = corner(h, i + 1 == h.size ? 0 : i + 1);
+  const std::uint32_t n = h.ring_size;
+  for (std::uint32_t k = from.place;;) {
+    k = ccw ? (k + 1 == n ? 0 : k + 1) : (k == 0 ? n - 1 : k - 1);
+    if (k == to.place) return true;
+    if (to_segment2(points[begin + k], from.p, to.p) > kFlat * kFlat) return false;
+  }
+}
+
 bool HullDistance::is_ring_edge(const Hull& h, std::uint32_t a, std::uint32_t b) const {
-  const std::uint32_t i = corner(h, a).place;
-  const std::uint32_t j = corner(h, b).place;
-  return i + 1 == j || j + 1 == i || (i == 0 && j + 1 == h.ring_size) || (j == 0 && i + 1 == h.ring_size);
+  if (b == (a + 1 == h.size ? 0 : a + 1)) return corner(h, a).straight;
+  return a == (b + 1 == h.size ? 0 : b + 1) && corner(h, b).straight;
 }
 
 HullDistance::Answer HullDistance::between(std::size_t first, std::size_t second) const {

@@ -31,6 +31,7 @@ class HullDistance {
   struct Corner {
     Point2 p;
     std::uint32_t place;  ///< index within the ring
+    bool straight;        ///< the ring, too, runs straight from here to the next corner
   };
   struct Hull {
     std::uint32_t begin, size;  ///< in corners_
@@ -38,6 +39,8 @@ class HullDistance {
     std::array<std::uint32_t, kDirections> extreme;  ///< corner furthest along each direction of the table
   };
   std::uint32_t support(const Hull& h, double dx, double dy) const;
+  bool runs_straight(const Hull& h, std::uint32_t i, const std::vector<Point2>& points, std::size_t begin,
+                     bool ccw) const;
   bool is_ring_edge(const Hull& h, std::uint32_t a, std::uint32_t b) const;
   const Corner& corner(const Hull& h, std::uint32_t i) const { return corners_[h.begin + i]; }
 

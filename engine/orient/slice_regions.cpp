@@ -138,9 +138,19 @@ double SliceRegions::leaf_distance2(const Ring& a, std::size_t leaf_a, const Rin
   const std::size_t b0 = b.begin + leaf_b * kLeaf;
   const std::size_t a1 = std::min(a0 + kLeaf, a.end);
   const std::size_t b1 = std::min(b0 + kLeaf, b.end);
-  for (std::size_t i = a0; i < a1; ++i)
-    for (std::size_t j = b0; j < b1; ++j)
-      best2 = std::min(best2, segments2(p[i], p[next(a, i)], p[j], p[next(b, j)]));
+  const Box box_b = node(b, b.leaves + leaf_b);
+  auto around = [](Point2 u, Point2 v) {
+    return Box{std::min(u.x, v.x), std::min(u.y, v.y), std::max(u.x, v.x), std::max(u.y, v.y)};
+  };
+  for (std::size_t i = a0; i < a1; ++i) {
+    const Point2 i1 = p[next(a, i)];
+    const Box box_i = around(p[i], i1);
+    if (gap2(box_i, box_b) >= best2) continue;
+    for (std::size_t j = b0; j < b1; ++j) {
+      const Point2 j1 = p[next(b, j)];
+      if (gap2(box_i, around(p[j], j1)) < best2) best2 = std::min(best2, segments2(p[i], i1, p[j], j1));
+    }
+  }
   return best2;
 }
 
