@@ -1,5 +1,8 @@
 #pragma once
 
+#include "engine/motion/limits.h"
+#include "engine/run/context.h"
+
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -7,9 +10,6 @@
 #include <map>
 #include <string>
 #include <vector>
-
-#include "engine/motion/limits.h"
-#include "engine/run/context.h"
 
 namespace voidpath::gcode {
 
