@@ -132,7 +132,9 @@ struct App::Parts {
             config.listen, [this](const HttpRequest& request) { return api.handle(request); },
             "/api/v1/files",
             [this](const HttpRequest& request, const auto& receive) { return api.upload(request, receive); }),
-        signal_fd(open_signal_fd()) {}
+        signal_fd(open_signal_fd()) {
+    publish();  // whoever asks first gets an answer
+  }
   ~Parts() {
     api.close();
     ::close(signal_fd);

@@ -33,7 +33,8 @@ int usage(const std::string& what) {
 
 int run(const Flags& flags) {
   using namespace voidpath;
-  const std::filesystem::path file = flags.config.empty() ? config::default_config_file() : flags.config;
+  const std::filesystem::path file =
+      flags.config.empty() ? config::default_config_file() : std::filesystem::path(flags.config);
   if (file.empty()) {
     std::fprintf(stderr,
                  "voidpathd: there is no configuration; write /etc/voidpath/voidpath.yaml or use --config\n");

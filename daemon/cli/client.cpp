@@ -24,7 +24,8 @@ T number(const std::string& flag, const std::string& text) {
 
 std::string address_from(const ClientFlags& flags) {
   if (!flags.host.empty()) return flags.host;
-  const std::filesystem::path file = flags.config.empty() ? config::default_config_file() : flags.config;
+  const std::filesystem::path file =
+      flags.config.empty() ? config::default_config_file() : std::filesystem::path(flags.config);
   if (file.empty()) return config::DaemonConfig{}.listen;
   try {
     return config::load_daemon(file).listen;

@@ -1,5 +1,6 @@
 #include "daemon/cli/client.h"
 #include "daemon/intake/file_checks.h"
+#include "daemon/web/http.h"
 
 #include <array>
 #include <chrono>
@@ -165,7 +166,8 @@ int logs_command(const DaemonClient& client, const ClientFlags& flags) {
 }
 
 int terminal_command(const DaemonClient& client, const ClientFlags& flags) {
-  const std::string what = "terminal" + (flags.printer.empty() ? std::string() : "?printer=" + flags.printer);
+  const std::string what =
+      "terminal" + (flags.printer.empty() ? std::string() : "?printer=" + daemon::url_escape(flags.printer));
   Json::Array seen;
   const auto show = [&] {
     const Json answer = client.get(what);

@@ -22,6 +22,8 @@ namespace {
 /// How far from the end an archive's or a text's end mark is looked for, bytes: a zip's end record with the
 /// longest comment.
 constexpr std::streamoff kTail = 22 + 65535;
+/// More triangles than this are no promise of a binary STL but text where the count would stand.
+constexpr std::uint32_t kMaxTriangles = 40'000'000;
 
 std::string lower(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -81,9 +83,12 @@ Completeness stl_completeness(std::ifstream& in, std::uint64_t size, std::string
     if (promised == size) return Completeness::complete;
     // A text file's bytes 80 to 83 are letters: an absurd count. Only a plausible one is a promise.
     const bool text = head.starts_with("solid") && head.find("facet") != std::string_view::npos;
-    if (!text) return promised > size ? Completeness::truncated : Completeness::unknown;
+    if (!text) {
+      const bool plausible = count > 0 && count <= kMaxTriangles;
+      return plausible && promised > size ? Completeness::truncated : Completeness::unknown;
+    }
   }
-  if (!head.starts_with("solid")) return Completeness::truncated;  // shorter than a binary header
+  if (!head.starts_with("solid")) return Completeness::unknown;  // neither kind: for the importer to refuse
   return lower(std::string(tail)).find("endsolid") != std::string::npos ? Completeness::complete
                                                                         : Completeness::truncated;
 }

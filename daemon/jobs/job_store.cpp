@@ -144,7 +144,7 @@ PrinterMemory JobStore::printer(const std::string& name) {
   auto row = database_.prepare("SELECT bed_clear, held, firmware FROM printers WHERE name = ?");
   row.bind(name);
   if (!row.step()) return {};
-  return {row.integer(0) != 0, row.text(1), row.text(2)};
+  return {true, row.integer(0) != 0, row.text(1), row.text(2)};
 }
 
 void JobStore::save_printer(const std::string& name, const PrinterMemory& memory) {

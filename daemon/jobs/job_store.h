@@ -14,6 +14,7 @@ namespace voidpath::daemon {
 
 /// What is kept of a printer between runs.
 struct PrinterMemory {
+  bool known = false;  ///< false: nothing was kept yet
   bool bed_clear = false;
   std::string held;
   std::string firmware;

@@ -39,7 +39,8 @@ Runner::~Runner() {
 void Runner::start() {
   for (auto& printer : printers_) {
     printer->memory = s_.store.printer(printer->name());
-    if (printer->config().auto_clear && printer->memory.held.empty()) printer->memory.bed_clear = true;
+    // What an earlier run left on the bed is not known to be gone, whatever clears it after a finished print.
+    if (printer->config().auto_clear && !printer->memory.known) printer->memory.bed_clear = true;
   }
   for (auto& job : s_.store.open_jobs()) jobs_.emplace(job.id, std::move(job));
   std::vector<JobId> ids;
@@ -155,11 +156,12 @@ void Runner::end_record(const Job& before, const Job& after, Printer* printer, b
     record->file = after.file_name();
     record->printer = after.printer;
     record->facts = after.facts;
-  } else if (printer && printer->config().auto_clear && printer->memory.held.empty()) {
-    printer->memory.bed_clear = true;
   }
   const bool copy = after.state == State::ready && on_printer(before.state);
   record->state = copy ? name_of(State::done) : name_of(after.state);
+  // Only a print that came to its end has run what clears the bed.
+  const bool printed = record->id != 0 && record->state == name_of(State::done);
+  if (printed && printer && printer->config().auto_clear) printer->memory.bed_clear = true;
   record->ended = utc_now();
   if (record->state != name_of(State::done)) record->reason = after.message;
   if (timer) {

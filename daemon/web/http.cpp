@@ -76,6 +76,7 @@ HttpServer::HttpServer(const std::string& listen, Handler handler, std::string u
   server.new_task_queue = [] { return new httplib::ThreadPool(4); };
   server.set_payload_max_length(kMaxUpload);
   server.set_keep_alive_max_count(100);
+  server.set_keep_alive_timeout(1);
   server.set_read_timeout(60, 0);
   server.Post(upload_path, [upload](const httplib::Request& request, httplib::Response& response,
                                     const httplib::ContentReader& reader) {
@@ -108,7 +109,8 @@ HttpServer::HttpServer(const std::string& listen, Handler handler, std::string u
                       "; another voidpathd may be running, or change web.listen");
   }
   impl_->thread = std::thread([this] { impl_->server.listen_after_bind(); });
-  impl_->server.wait_until_ready();
+  // stop() does nothing before the thread is that far.
+  while (!impl_->server.is_running()) std::this_thread::yield();
 }
 
 HttpServer::~HttpServer() {
