@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <unordered_map>
 
 namespace voidpath::toolpath {
@@ -122,8 +123,13 @@ class Triangulator {
     const std::size_t n = chain.size();
     const Point &a = at(chain[(i + n - 1) % n]), &b = at(chain[i]), &c = at(chain[(i + 1) % n]);
     if (turn(a, b, c) <= 0) return kNoEar;
-    for (const Index v : chain) {
-      const Point& p = at(v);
+    const auto [left, right] = std::minmax({a.x, b.x, c.x});
+    const auto [low, high] = std::minmax({a.y, b.y, c.y});
+    auto v = std::lower_bound(by_x_.begin(), by_x_.end(), left,
+                              [&](Index k, geom::Coord x) { return at(k).x < x; });
+    for (; v != by_x_.end() && at(*v).x <= right; ++v) {
+      const Point& p = at(*v);
+      if (in_chain_[*v] == 0 || p.y < low || p.y > high) continue;
       if (p != a && p != b && p != c && in_triangle(a, b, c, p)) return kNoEar;
     }
     return geom::distance(a, c);
@@ -131,6 +137,11 @@ class Triangulator {
 
   /// Clips the ear with the shortest cut first: across a sliver, not along it.
   void clip_ears(Chain chain) {
+    by_x_.resize(out_.points.size());
+    std::iota(by_x_.begin(), by_x_.end(), Index{0});
+    std::sort(by_x_.begin(), by_x_.end(), [&](Index a, Index b) { return at(a) < at(b); });
+    in_chain_.assign(out_.points.size(), 0);
+    for (const Index v : chain) ++in_chain_[v];
     std::vector<double> cut(chain.size());
     auto measure_all = [&] {
       for (std::size_t i = 0; i < chain.size(); ++i) cut[i] = ear(chain, i);
@@ -146,6 +157,7 @@ class Triangulator {
       const auto i = static_cast<std::size_t>(best - cut.begin());
       const std::size_t n = chain.size();
       out_.triangles.push_back({{chain[(i + n - 1) % n], chain[i], chain[(i + 1) % n]}, {}});
+      --in_chain_[chain[i]];
       chain.erase(chain.begin() + static_cast<std::ptrdiff_t>(i));
       cut.erase(best);
       for (const std::size_t k : {(i + n - 2) % (n - 1), i % (n - 1)}) cut[k] = ear(chain, k);
@@ -224,6 +236,8 @@ class Triangulator {
   static constexpr int kMaxPasses = 50;
   static constexpr double kNoEar = std::numeric_limits<double>::infinity();
   Triangulation out_;
+  std::vector<Index> by_x_;    ///< all points from left to right
+  std::vector<int> in_chain_;  ///< how often each is a corner of what is not yet clipped
 };
 
 }  // namespace
