@@ -12,8 +12,10 @@ namespace {
 using geom::Vec3;
 using Index = std::uint32_t;
 
-/// Share of the cloud's size below which a point counts as lying in a facet's plane.
-constexpr double kOnPlane = 1e-9;
+/// Share of the cloud's size below which a point counts as lying in a facet's plane: above the noise of
+/// single-precision coordinates, which would else make facets of points in line, with planes that mean
+/// nothing.
+constexpr double kOnPlane = 1e-6;
 
 class Quickhull {
  public:

@@ -20,8 +20,8 @@ void CrossSections::prepare(const Solid& solid, const Projection& p, const std::
   rank_.resize(p.h.size());
   const auto by_middle = [](double h, const Slab& s) { return h < s.middle_mm; };
   for (std::size_t v = 0; v < p.h.size(); ++v)
-    rank_[v] =
-        static_cast<Index>(std::upper_bound(slabs.begin(), slabs.end(), p.h[v], by_middle) - slabs.begin());
+    rank_[v] = static_cast<Index>(
+        std::upper_bound(slabs.begin(), slabs.end(), p.h[v] + kHeightNoise, by_middle) - slabs.begin());
   count_.assign(slabs.size() + 1, 0);
   crossings_.clear();
   for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
@@ -91,7 +91,7 @@ void CrossSections::place() {
   points_.resize(edges_.size());
   for (std::size_t k = 0; k < edges_.size(); ++k) {
     const auto [a, b] = edges_[k];
-    const double t = (height_ - p_->h[a]) / (p_->h[b] - p_->h[a]);
+    const double t = std::min(1.0, (height_ - p_->h[a]) / (p_->h[b] - p_->h[a]));
     points_[k] = {p_->x[a] + t * (p_->x[b] - p_->x[a]), p_->y[a] + t * (p_->y[b] - p_->y[a])};
   }
   for (Contour& c : contours_) {

@@ -23,11 +23,12 @@ struct Contour {
 
 /// Slices of a projected part, by walking from facet to facet.
 ///
-/// A vertex exactly at a slice's height counts as above it. So each facet is crossed on two edges or none,
-/// every crossed edge leads on to the facet beside it, and the lines close without any matching of points,
-/// also where a plane runs through vertices or along faces. A facet is entered by the edge that falls below
-/// the plane and left by the one that rises above it: the material then lies to the left.
-/// Not thread-safe; keeps its memory from one use to the next.
+/// A vertex at a slice's height counts as above it, and so does one below it by rounding (kHeightNoise):
+/// between bodies stacked on one another no slice falls into the crack. So each facet is crossed on two edges
+/// or none, every crossed edge leads on to the facet beside it, and the lines close without any matching of
+/// points, also where a plane runs through vertices or along faces. A facet is entered by the edge that falls
+/// below the plane and left by the one that rises above it: the material then lies to the left. Not
+/// thread-safe; keeps its memory from one use to the next.
 class CrossSections {
  public:
   /// Fixes the heights; afterwards trace() may be called for each of them, in any order.
