@@ -9,6 +9,7 @@
 #include "engine/toolpath/supports.h"
 #include "engine/toolpath/surfaces.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace voidpath::toolpath {

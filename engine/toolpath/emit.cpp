@@ -6,6 +6,7 @@
 #include "engine/toolpath/placeholders.h"
 #include "engine/toolpath/writer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <ostream>

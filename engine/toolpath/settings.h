@@ -101,7 +101,7 @@ struct MachineShape {
   double nozzle_mm = 0.4;
   bool relative_e = true;
   /// G-code before and after the print, with placeholders in braces such as {nozzle_first_layer_c};
-  /// the list is in config/README.md.
+  /// the list is in placeholders.h and config/README.md.
   std::string start_gcode;
   std::string end_gcode;
 };
