@@ -83,9 +83,9 @@ TEST_CASE("prints take as long as on the real firmware", "[golden]") {
       const double error = print_seconds(row.name, classic_jerk) / expected - 1;
       CAPTURE(row.name, classic_jerk, error);
       std::printf("%-28s %s %+.4f %%\n", row.name.c_str(), classic_jerk ? "jerk" : "jd", error * 100);
-      CHECK(std::abs(error) < 0.005);
+      CHECK(std::abs(error) < 0.002);
       sum += std::abs(error);
     }
-    CHECK(sum / static_cast<double>(rows.size()) < 0.003);
+    CHECK(sum / static_cast<double>(rows.size()) < 0.0006);
   }
 }
