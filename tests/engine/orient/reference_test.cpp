@@ -22,6 +22,9 @@ struct P {
 };
 using Loop = std::vector<P>;
 
+/// A vertex that is below a slice by less counts as above it: the engine's stated rule. mm
+constexpr double kLevel = 1e-6;
+
 struct Seen {
   std::vector<Vec3> v;  ///< x, y across; z along the direction
 };
@@ -86,8 +89,8 @@ std::vector<Loop> cut(const TriangleMesh& m, const Seen& s, double z) {
     for (std::size_t k = 0; k < 3; ++k) {
       const unsigned a = t[k];
       const unsigned b = t[(k + 1) % 3];
-      const bool up_a = s.v[a].z() >= z;
-      const bool up_b = s.v[b].z() >= z;
+      const bool up_a = s.v[a].z() + kLevel >= z;
+      const bool up_b = s.v[b].z() + kLevel >= z;
       if (up_a && !up_b) from = std::minmax(a, b);
       if (!up_a && up_b) to = std::minmax(a, b), crossed = true;
     }
@@ -104,7 +107,7 @@ std::vector<Loop> cut(const TriangleMesh& m, const Seen& s, double z) {
         out.pop_back();
         const Vec3& a = s.v[at.first];
         const Vec3& b = s.v[at.second];
-        const double r = (z - a.z()) / (b.z() - a.z());
+        const double r = std::clamp((z - a.z()) / (b.z() - a.z()), 0.0, 1.0);
         loop.push_back({a.x() + r * (b.x() - a.x()), a.y() + r * (b.y() - a.y())});
         if (at == start) break;
       }
