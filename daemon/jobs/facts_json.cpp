@@ -110,8 +110,9 @@ std::string to_text(const std::vector<double>& numbers) {
 }
 
 std::vector<double> numbers_from(const std::string& text) {
+  const Json json = Json::parse(text);
   std::vector<double> out;
-  for (const auto& item : Json::parse(text).items()) {
+  for (const auto& item : json.items()) {
     out.push_back(item.number(std::numeric_limits<double>::quiet_NaN()));
   }
   return out;

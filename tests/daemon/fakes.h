@@ -120,12 +120,12 @@ class RunnerRig {
   explicit RunnerRig(bool auto_clear = false) {
     config.state_dir = dir / "state";
     std::filesystem::create_directories(config.state_dir);
-    config::PrinterConfig printer;
-    printer.name = "left";
-    printer.watch = {dir / "inbox"};
-    printer.auto_clear = auto_clear;
-    std::filesystem::create_directories(printer.watch[0]);
-    config.printers = {printer};
+    config::PrinterConfig left;
+    left.name = "left";
+    left.watch = {dir / "inbox"};
+    left.auto_clear = auto_clear;
+    std::filesystem::create_directories(left.watch[0]);
+    config.printers = {left};
     prepare = [](const daemon::PrepareTask& task, const run::Context&) {
       daemon::PrepareResult result;
       result.kind = daemon::PrepareResult::Kind::prepared;

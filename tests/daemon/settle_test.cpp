@@ -66,8 +66,9 @@ TEST_CASE("a file in a writer's hands is never taken, however long it rests") {
   settler.note("a.stl", 0);
   for (double now = 0; now < 600; now += 0.5) REQUIRE(settler.poll(now).empty());
   fake.files["a.stl"].writer = false;
-  CHECK(settler.poll(600.2).empty());
-  CHECK(settler.poll(601.0).size() == 1);
+  settler.note("a.stl", 600.1);  // closed
+  CHECK(settler.poll(601.0).empty());
+  CHECK(settler.poll(601.2).size() == 1);
 }
 
 TEST_CASE("a file that says that it is not complete is waited for, then taken") {
