@@ -15,6 +15,10 @@ namespace {
 constexpr double kMaxLidShare = 0.8;
 /// Rings longer than this are closed from their centre: a quadratic search would take too long.
 constexpr std::size_t kMaxRing = 5000;
+/// Up to this many points the lid of least area is found; beyond, ears are clipped.
+constexpr std::size_t kLeastAreaRing = 100;
+/// No lid is smaller than the vector area of its ring; one within this share of it is flat.
+constexpr double kFlatExcess = 1e-6;
 
 using Ring = std::vector<std::uint32_t>;
 
@@ -58,6 +62,25 @@ std::vector<Vec3> points_of(const TriangleMesh& mesh, const Ring& ring) {
   return points;
 }
 
+double twice_area(const std::vector<Vec3>& points, const std::vector<Triangle>& facets) {
+  double sum = 0;
+  for (const Triangle& t : facets) {
+    sum += (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).norm();
+  }
+  return sum;
+}
+
+/// Ears clipped in its plane serve a flat ring best; for others a small lid is sought.
+std::vector<Triangle> lid_for(const std::vector<Vec3>& points) {
+  std::vector<Triangle> lid;
+  const bool clean = triangulate(points, lid);
+  const bool flat = clean && twice_area(points, lid) <= (1 + kFlatExcess) * ring_vector_area(points).norm();
+  if (flat || points.size() > kLeastAreaRing) return lid;
+  lid.clear();
+  triangulate_least_area(points, lid);
+  return lid;
+}
+
 void fill(TriangleMesh& mesh, const Ring& ring, HoleReport& report) {
   const std::vector<Vec3> points = points_of(mesh, ring);
   const std::size_t before = mesh.triangles.size();
@@ -70,8 +93,7 @@ void fill(TriangleMesh& mesh, const Ring& ring, HoleReport& report) {
       mesh.triangles.push_back({ring[i], ring[(i + 1) % ring.size()], c});
     }
   } else {
-    std::vector<Triangle> lid;
-    triangulate(points, lid);
+    const std::vector<Triangle> lid = lid_for(points);
     for (const Triangle& t : lid) mesh.triangles.push_back({ring[t[0]], ring[t[1]], ring[t[2]]});
   }
   ++report.holes_filled;

@@ -17,8 +17,8 @@ namespace {
 constexpr double kGapFractions[] = {1e-6, 1e-5, 1e-4};
 /// mm. No gap wider than a quarter of a usual nozzle line is closed by moving vertices.
 constexpr double kMaxGap = 0.1;
-/// Pairs looked at for one side; more crowd together only in heaps of rubbish.
-constexpr std::size_t kMaxCandidates = 64;
+/// Neighbours looked at around one place; more crowd together only in heaps of rubbish.
+constexpr std::size_t kMaxCandidates = 256;
 
 double gap_of(const TriangleMesh& mesh, double fraction) {
   return std::min(kMaxGap, fraction * bounds(mesh).size().norm());
@@ -32,16 +32,20 @@ class PointGrid {
   void add(const Vec3& p, std::uint32_t what) { cells_.push_back({key(index(p)), what}); }
   void done() { std::sort(cells_.begin(), cells_.end()); }
 
-  /// Calls visit(what) for all in the 27 cubes around p.
+  /// Calls visit(what) for those in the 27 cubes around p, kMaxCandidates at most.
   template <class Visit>
   void around(const Vec3& p, Visit&& visit) const {
     const auto c = index(p);
+    std::size_t looked = 0;
     for (std::int64_t x = -1; x <= 1; ++x) {
       for (std::int64_t y = -1; y <= 1; ++y) {
         for (std::int64_t z = -1; z <= 1; ++z) {
           const std::uint64_t k = key({c[0] + x, c[1] + y, c[2] + z});
           auto at = std::lower_bound(cells_.begin(), cells_.end(), std::pair(k, std::uint32_t{0}));
-          for (; at != cells_.end() && at->first == k; ++at) visit(at->second);
+          for (; at != cells_.end() && at->first == k; ++at) {
+            if (++looked > kMaxCandidates) return;
+            visit(at->second);
+          }
         }
       }
     }
@@ -91,9 +95,8 @@ std::vector<Match> near_sides(const TriangleMesh& mesh, const std::vector<Side>&
   for (std::uint32_t i = 0; i < sides.size(); ++i) {
     const Vec3 &a = mesh.vertices[sides[i].a], &b = mesh.vertices[sides[i].b];
     if ((b - a).norm() <= 2 * gap) continue;
-    std::size_t looked = 0;
     grid.around(middle(sides[i]), [&](std::uint32_t j) {
-      if (j <= i || facet_of(sides[j].slot) == facet_of(sides[i].slot) || ++looked > kMaxCandidates) return;
+      if (j <= i || facet_of(sides[j].slot) == facet_of(sides[i].slot)) return;
       const Vec3 &c = mesh.vertices[sides[j].a], &d = mesh.vertices[sides[j].b];
       const double opposed = std::max((a - d).norm(), (b - c).norm());
       const double along = std::max((a - c).norm(), (b - d).norm());
@@ -166,8 +169,10 @@ SeamReport cut_at_open_vertices(TriangleMesh& mesh) {
   const std::vector<Side> sides = open_sides(mesh);
   const double gap = gap_of(mesh, kGapFractions[1]);
   if (sides.size() < 3 || gap <= 0) return report;
-  // A hundred cubes along the part keep both long and many sides cheap.
-  const double cell = std::max(gap, bounds(mesh).size().norm() / 100);
+  // Cubes as large as the mean side: then the sides cross few cubes altogether and few vertices share one.
+  double length = 0;
+  for (const Side& s : sides) length += (mesh.vertices[s.b] - mesh.vertices[s.a]).norm();
+  const double cell = std::max(gap, length / static_cast<double>(sides.size()));
   PointGrid grid(cell, bounds(mesh).min);
   std::vector<std::uint32_t> vertices;
   for (const Side& s : sides) vertices.insert(vertices.end(), {s.a, s.b});

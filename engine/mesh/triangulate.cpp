@@ -1,6 +1,8 @@
 #include "engine/mesh/triangulate.h"
 
 #include <algorithm>
+#include <limits>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -103,6 +105,39 @@ bool triangulate(std::span<const Vec3> ring, std::vector<Triangle>& out) {
   flat.reserve(ring.size());
   for (const Vec3& p : ring) flat.emplace_back((p - ring[0]).dot(u), (p - ring[0]).dot(v));
   return EarClipper(std::move(flat), kFlatShare * twice).run(out) && twice > 0;
+}
+
+void triangulate_least_area(std::span<const Vec3> ring, std::vector<Triangle>& out) {
+  const auto n = static_cast<std::uint32_t>(ring.size());
+  const auto at = [n](std::uint32_t i, std::uint32_t j) { return std::size_t{i} * n + j; };
+  // least[i, j]: twice the least area over the points i..j, closed by the chord; via[i, j]: the third corner
+  // of the facet on that chord.
+  std::vector<double> least(std::size_t{n} * n, 0);
+  std::vector<std::uint32_t> via(std::size_t{n} * n, 0);
+  for (std::uint32_t span = 2; span < n; ++span) {
+    for (std::uint32_t i = 0; i + span < n; ++i) {
+      const std::uint32_t j = i + span;
+      double best = std::numeric_limits<double>::infinity();
+      for (std::uint32_t k = i + 1; k < j; ++k) {
+        const double area = (ring[k] - ring[i]).cross(ring[j] - ring[i]).norm();
+        const double sum = least[at(i, k)] + least[at(k, j)] + area;
+        if (sum >= best) continue;
+        best = sum;
+        via[at(i, j)] = k;
+      }
+      least[at(i, j)] = best;
+    }
+  }
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> chords = {{0, n - 1}};
+  while (!chords.empty()) {
+    const auto [i, j] = chords.back();
+    chords.pop_back();
+    if (j - i < 2) continue;
+    const std::uint32_t k = via[at(i, j)];
+    out.push_back({i, k, j});
+    chords.emplace_back(i, k);
+    chords.emplace_back(k, j);
+  }
 }
 
 }  // namespace voidpath::mesh

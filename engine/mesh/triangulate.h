@@ -17,4 +17,7 @@ Vec3 ring_vector_area(std::span<const Vec3> ring);
 /// Returns whether every triangle was a proper ear.
 bool triangulate(std::span<const Vec3> ring, std::vector<Triangle>& out);
 
+/// The cut with the least area, for rings that lie in no plane. Time is cubic: for short rings.
+void triangulate_least_area(std::span<const Vec3> ring, std::vector<Triangle>& out);
+
 }  // namespace voidpath::mesh

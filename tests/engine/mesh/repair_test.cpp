@@ -193,7 +193,7 @@ TEST_CASE("Holes are filled, flat ones exactly") {
     m.triangles.resize(m.triangles.size() -
                        static_cast<std::size_t>(share * static_cast<double>(m.triangles.size())));
     CHECK(check_repairs(m).holes_filled >= 1);
-    CHECK(mesh::volume(m) == Approx(mesh::volume(sound)).epsilon(0.1));
+    CHECK(mesh::volume(m) == Approx(mesh::volume(sound)).epsilon(0.02));
   }
   TriangleMesh cup = test::cup(30, 30, 20, 2, 2);
   const double volume = mesh::volume(cup), surface = mesh::surface_area(cup);
