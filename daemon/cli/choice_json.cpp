@@ -35,7 +35,7 @@ ordered_json orient_json(const mesh::Import& model, const std::string& file, con
   const auto& r = model.delivered;
   ordered_json ties = ordered_json::array();
   for (const std::size_t t : choice.ties) ties.push_back(vector_json(choice.candidates[t].direction));
-  return {{"model",
+  ordered_json j = {{"model",
            {{"file", file},
             {"triangles", r.triangles},
             {"size_mm", vector_json(r.size_mm)},
@@ -50,6 +50,12 @@ ordered_json orient_json(const mesh::Import& model, const std::string& file, con
           {"as_delivered", choice_json(choice.candidates[choice.as_delivered], "as delivered")},
           {"ties", ties},
           {"elapsed_s", elapsed_s}};
+  if (choice.method == orient::Method::toolpath) {
+    ordered_json baselines = ordered_json::object();
+    for (const auto& [name, i] : choice.baselines) baselines[name] = choice_json(choice.candidates[i], name);
+    j["baselines"] = baselines;
+  }
+  return j;
 }
 
 }  // namespace voidpath::cli

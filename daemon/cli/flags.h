@@ -21,6 +21,7 @@ inline void add_orient(CLI::App& app, OrientFlags& f) {
   app.add_option("--weights", f.weights, "h,v,d,c: weights of height, trapped volume, void distance, contours");
   app.add_option("--subdivisions", f.subdivisions, "samples 20*4^n directions and the six axes");
   app.add_option("--critical", f.critical, "normals or morse: which heights bound the slabs");
+  app.add_option("--budget-s", f.budget_s, "seconds that timing candidates may take")->check(CLI::NonNegativeNumber);
 }
 
 /// Parses, mapping CLI11's errors to UsageError. Returns false when help was asked for and printed.

@@ -1,5 +1,6 @@
 #include "daemon/cli/offline.h"
 
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <mutex>
@@ -78,6 +79,10 @@ Settings settings_from(const CommonFlags& common, const OrientFlags& orient) {
     o.orient.critical = orient::CriticalRule::normals;
   else if (!orient.critical.empty())
     throw UsageError("--critical " + orient.critical + ": normals or morse is wanted");
+  o.budget_s = orient.budget_s >= 0 ? orient.budget_s : s.daemon.orient.budget_s;
+  o.now_s = [] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  };
   o.print = s.profile.print;
   o.limits = s.profile.limits;
   return s;

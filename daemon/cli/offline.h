@@ -29,6 +29,7 @@ struct OrientFlags {
   std::string weights;
   int subdivisions = -1;
   std::string critical;
+  double budget_s = -1;  ///< negative: the configuration's
 };
 
 /// Configuration file, profile and flags laid over one another.

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <fstream>
 #include <iostream>
+#include <limits>
 
 #include <nlohmann/json.hpp>
 
@@ -37,9 +38,10 @@ void write_candidates(const orient::Choice& choice, const std::string& file) {
 
 void print_row(const char* name, const orient::Candidate& c) {
   const auto& k = c.criteria;
-  std::printf("  %-14s %8.2f mm %12.0f mm3 %8.2f %9.2f mm %9.4f  (%+.4f, %+.4f, %+.4f)%s\n", name, k.height_mm,
-              k.trapped_mm3, k.contours, k.void_mm, c.score, c.direction.x(), c.direction.y(), c.direction.z(),
-              c.printable ? "" : ("  not printable: " + c.why).c_str());
+  std::printf("  %-14s %8.2f mm %12.0f mm3 %8.2f %9.2f mm %9.4f %14s  (%+.4f, %+.4f, %+.4f)%s\n", name, k.height_mm,
+              k.trapped_mm3, k.contours, k.void_mm, c.score,
+              c.predicted_s ? duration_text(*c.predicted_s).c_str() : "", c.direction.x(), c.direction.y(),
+              c.direction.z(), c.printable ? "" : ("  " + c.why).c_str());
 }
 
 /// The best candidates that point somewhere else than the ones named already.
@@ -47,9 +49,12 @@ std::vector<std::size_t> runners_up(const orient::Choice& choice, std::size_t co
   constexpr double kOtherKind_cos = 0.9;  // some 26° apart
   std::vector<std::size_t> order(choice.candidates.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return choice.candidates[a].score < choice.candidates[b].score;
-  });
+  // Timed ones first, by their time; the others by their score.
+  const auto rank = [&](std::size_t i) {
+    const auto& c = choice.candidates[i];
+    return std::pair(c.predicted_s.value_or(std::numeric_limits<double>::infinity()), c.score);
+  };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
   std::vector<std::size_t> named = {choice.chosen, choice.as_delivered};
   std::vector<std::size_t> out;
   for (const std::size_t i : order) {
@@ -71,11 +76,13 @@ void print_table(const mesh::Import& model, const orient::Choice& choice, double
   std::printf("%zu triangles, %.1f x %.1f x %.1f mm; %zu directions in %.2f s (%s)\n", model.delivered.triangles,
               size.x(), size.y(), size.z(), choice.candidates.size(), elapsed_s,
               orient::to_string(choice.method).c_str());
-  std::printf("  %-14s %11s %16s %8s %12s %9s  %s\n", "", "height", "trapped", "contours", "void dist.", "score",
-              "direction that points up");
+  std::printf("  %-14s %11s %16s %8s %12s %9s %14s  %s\n", "", "height", "trapped", "contours", "void dist.", "score",
+              "predicted", "direction that points up");
   print_row("as delivered", choice.candidates[choice.as_delivered]);
   print_row("chosen", choice.candidates[choice.chosen]);
   for (const std::size_t i : runners_up(choice, 3)) print_row("runner-up", choice.candidates[i]);
+  for (const auto& [name, i] : choice.baselines)
+    if (i != choice.chosen && i != choice.as_delivered) print_row(name.c_str(), choice.candidates[i]);
   if (choice.ties.size() > 1) std::printf("  %zu directions tie with the chosen one\n", choice.ties.size());
   std::printf("%s\n", choice.why.c_str());
 }

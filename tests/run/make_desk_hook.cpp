@@ -90,27 +90,23 @@ int main(int argc, char** argv) {
   if (argc != 2) return std::fprintf(stderr, "usage: make-desk-hook FILE.stl\n"), 2;
   constexpr double kWidth_mm = 22;
   const Regions side = profile();
-  // Cut through the slot, so that no piece has a hole and each cap is a plain ring.
+  // Cut through the slot and through the opening below the brace, so that no piece has a hole and each cap
+  // is a plain ring.
   constexpr geom::Coord kFar = 200'000'000;
-  const Regions left = geom::intersect(side, {{geom::make_rectangle({-kFar, -kFar}, {0, kFar}), {}}});
-  const Regions right = geom::intersect(side, {{geom::make_rectangle({0, -kFar}, {kFar, kFar}), {}}});
+  const std::vector<geom::Coord> cuts = {-kFar, 0, from_mm(7), kFar};
 
   mesh::TriangleMesh mesh;
-  for (const Regions& half : {left, right})
-    for (const geom::Region& piece : half) {
+  for (std::size_t strip = 0; strip + 1 < cuts.size(); ++strip)
+    for (const geom::Region& piece :
+         geom::intersect(side, {{geom::make_rectangle({cuts[strip], -kFar}, {cuts[strip + 1], kFar}), {}}})) {
       if (!piece.holes.empty()) return std::fprintf(stderr, "a piece has a hole\n"), 1;
       add_cap(mesh, piece.outer, 0, false);
       add_cap(mesh, piece.outer, kWidth_mm, true);
-    }
-  // Walls from the halves' own points: the cut's end points stand on both sides of it.
-  for (const Regions& half : {left, right})
-    for (const geom::Region& piece : half) {
-      const std::size_t n = piece.outer.size();
-      for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t i = 0; i < piece.outer.size(); ++i) {
         const Point a = piece.outer[i];
-        const Point b = piece.outer[(i + 1) % n];
-        if (a.x == 0 && b.x == 0) continue;  // the cut itself
-        add_wall(mesh, a, b, kWidth_mm);
+        const Point b = piece.outer[(i + 1) % piece.outer.size()];
+        const bool on_cut = a.x == b.x && (a.x == cuts[strip] || a.x == cuts[strip + 1]);
+        if (!on_cut) add_wall(mesh, a, b, kWidth_mm);
       }
     }
   // From the side view to the pose of use: y becomes up.
