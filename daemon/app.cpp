@@ -127,7 +127,8 @@ struct App::Parts {
             [this](const fs::path& folder, const std::string& what) {
               log.warning("folder", {{"folder", folder.string()}, {"what", what}});
             }),
-        api(loop, runner, box, [this](const std::string& printer) { halt(printer); }),
+        api(
+            loop, runner, box, [this](const std::string& printer) { halt(printer); }, [this] { publish(); }),
         server(
             config.listen, [this](const HttpRequest& request) { return api.handle(request); },
             "/api/v1/files",

@@ -71,6 +71,8 @@ class Printer {
 
   /// Kept between runs; whoever changes it saves it.
   PrinterMemory memory;
+  /// Its heaters may still be on from a print nobody looks after any more: off at the next connection.
+  bool cool_down = false;
   /// The history record of the running print.
   std::optional<PrintRecord> record;
 

@@ -51,6 +51,8 @@ void Runner::start() {
       file(job, job.state == State::done ? "done" : "failed");
       continue;
     }
+    if (Printer* printer = find_printer(job.printer); printer && on_printer(job.state))
+      printer->cool_down = true;
     apply(id, Event::recovered, [](Job& j) {
       if (!on_printer(j.state) || j.state == State::cancelling) return;
       j.message =

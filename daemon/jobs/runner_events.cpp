@@ -16,6 +16,10 @@ void Runner::on_printer_event(Printer& printer, const fw::Event& event) {
     } catch (const StoreError& error) {
       s_.log.error("store", {{"reason", error.what()}});
     }
+    if (std::exchange(printer.cool_down, false)) {
+      s_.log.warning("heaters_off", {{"printer", printer.name()}, {"reason", "a print was cut off"}});
+      for (const char* line : {"M104 S0", "M140 S0", "M107"}) printer.command(line);
+    }
     want_schedule();
   } else if (const auto* down = std::get_if<fw::Disconnected>(&what)) {
     s_.log.warning("disconnected", {{"printer", printer.name()}, {"reason", down->reason}});
@@ -53,6 +57,7 @@ void Runner::on_print_end(Printer& printer, const fw::Event& event) {
   if (!finished && !failed && !down && !cancelled) return;
   if (found != jobs_.end()) {
     const Job& job = found->second;
+    printer.cool_down = printer.cool_down || down != nullptr;
     if (finished) {
       const bool last = job.copies_done + 1 >= job.copies;
       happen(id, last ? Event::finished_last : Event::finished_copy, [](Job& j) {

@@ -101,20 +101,30 @@ class Incoming {
 }  // namespace
 
 Api::Api(Executor& loop, Runner& runner, const SnapshotBox& box,
-         std::function<void(const std::string& printer)> halt)
-    : loop_(loop), runner_(runner), box_(box), halt_(std::move(halt)) {}
+         std::function<void(const std::string& printer)> halt, std::function<void()> refresh)
+    : loop_(loop), runner_(runner), box_(box), halt_(std::move(halt)), refresh_(std::move(refresh)) {}
 
-HttpResponse Api::on_loop(Work work) {
+HttpResponse Api::on_loop(Work work, bool changes) {
   auto promise = std::make_shared<std::promise<HttpResponse>>();
   auto answer = promise->get_future();
-  loop_.post([promise, work = std::move(work)] {
+  loop_.post([this, promise, changes, work = std::move(work)] {
+    HttpResponse response;
     try {
-      promise->set_value(work());
+      response = work();
     } catch (const CommandError& refused) {
-      promise->set_value(error(409, refused.what()));
+      response = error(409, refused.what());
     } catch (const std::exception& failed) {
-      promise->set_value(error(500, failed.what()));
+      response = error(500, failed.what());
     }
+    if (!changes) {
+      promise->set_value(std::move(response));
+      return;
+    }
+    // Behind what the command itself posted, so that whoever asks next sees what came of it.
+    loop_.post([this, promise, response = std::move(response)]() mutable {
+      refresh_();
+      promise->set_value(std::move(response));
+    });
   });
   for (int tenths = 0; tenths < kPatience_s * 10 && !closing_; ++tenths) {
     if (answer.wait_for(std::chrono::milliseconds(100)) == std::future_status::ready) return answer.get();
@@ -214,15 +224,19 @@ HttpResponse Api::command(const std::string& name, const HttpRequest& request) {
   if (name == "stop") {
     const std::string printer = body["printer"].text();
     halt_(printer);  // first, and past the loop
-    return on_loop([this, printer] {
-      runner_.halted(printer, "emergency stop");
-      return ok(Json::object().set("done", true));
-    });
+    return on_loop(
+        [this, printer] {
+          runner_.halted(printer, "emergency stop");
+          return ok(Json::object().set("done", true));
+        },
+        true);
   }
-  return on_loop([this, name, body] {
-    run_command(name, body);
-    return ok(Json::object().set("done", true));
-  });
+  return on_loop(
+      [this, name, body] {
+        run_command(name, body);
+        return ok(Json::object().set("done", true));
+      },
+      true);
 }
 
 HttpResponse Api::upload(const HttpRequest& request,
@@ -252,11 +266,13 @@ HttpResponse Api::upload(const HttpRequest& request,
         !file->finish()) {
       return error(507, "the upload of " + name + " failed: " + file->why());
     }
-    return on_loop([this, file, name, options, printer] {
-      const JobId id = runner_.add(file->path(), name, options, printer);
-      return HttpResponse{201, Json::object().set("job", id).set("file", name).dump() + "\n",
-                          "application/json"};
-    });
+    return on_loop(
+        [this, file, name, options, printer] {
+          const JobId id = runner_.add(file->path(), name, options, printer);
+          return HttpResponse{201, Json::object().set("job", id).set("file", name).dump() + "\n",
+                              "application/json"};
+        },
+        true);
   } catch (const std::exception& failed) {
     return error(500, failed.what());
   }

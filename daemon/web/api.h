@@ -17,9 +17,10 @@ namespace voidpath::daemon {
 /// files?name=NAME&copies=&method=&scale=&printer=
 class Api {
  public:
-  /// All must outlive it; `halt` is called on the caller's thread, before the loop hears of it.
+  /// All must outlive it. `halt` is called on the caller's thread, before the loop hears of it; `refresh`
+  /// on the loop: it publishes a snapshot.
   Api(Executor& loop, Runner& runner, const SnapshotBox& box,
-      std::function<void(const std::string& printer)> halt);
+      std::function<void(const std::string& printer)> halt, std::function<void()> refresh);
 
   HttpResponse handle(const HttpRequest& request);
   HttpResponse upload(const HttpRequest& request,
@@ -29,7 +30,8 @@ class Api {
 
  private:
   using Work = std::function<HttpResponse()>;
-  HttpResponse on_loop(Work work);
+  /// With `changes`, a fresh snapshot is published before the answer.
+  HttpResponse on_loop(Work work, bool changes = false);
   HttpResponse get(const std::string& what, const HttpRequest& request);
   HttpResponse command(const std::string& name, const HttpRequest& request);
   void run_command(const std::string& name, const Json& body);
@@ -38,6 +40,7 @@ class Api {
   Runner& runner_;
   const SnapshotBox& box_;
   std::function<void(const std::string&)> halt_;
+  std::function<void()> refresh_;
   std::atomic<bool> closing_ = false;
 };
 

@@ -152,6 +152,7 @@ TEST_CASE("a crash during a print leaves it interrupted, unasked nothing prints 
   CHECK(rig.state_of("a.stl") == State::interrupted);
   REQUIRE(rig.reaches("b.stl", State::waiting_bed));  // the bed is not known to be clear
   CHECK(rig.printer.count("print") == 1);
+  for (const char* off : {"command M104 S0", "command M140 S0"}) CHECK(rig.printer.count(off) == 1);
   REQUIRE(rig.store->history().size() == 1);
   CHECK(rig.store->history()[0].state == "interrupted");
   CHECK_FALSE(rig.store->history()[0].measured_s);

@@ -23,7 +23,8 @@ struct WebRig {
   RunnerRig rig;
   SnapshotBox box;
   std::atomic<int> halts = 0;
-  Api api{rig.loop, *rig.runner, box, [this](const std::string&) { ++halts; }};
+  Api api{rig.loop, *rig.runner, box, [this](const std::string&) { ++halts; },
+          [this] { box.put(make_snapshot(*rig.runner, *rig.settler)); }};
   HttpServer server{"127.0.0.1:0", [this](const HttpRequest& r) { return api.handle(r); }, "/api/v1/files",
                     [this](const HttpRequest& r, const auto& receive) { return api.upload(r, receive); }};
   std::string address = "127.0.0.1:" + std::to_string(server.port());
@@ -79,6 +80,8 @@ TEST_CASE("commands reach the runner, and refusals come back in words") {
   CHECK(refused.status == 409);
   CHECK(Json::parse(refused.body)["error"].text().find("nothing is being printed") != std::string::npos);
   CHECK(web.post("bed-clear").status == 200);
+  // Whoever asks right after a command sees what came of it.
+  CHECK(web.box.get()->status["printers"].items().at(0)["state"].text() == "heating");
   REQUIRE(web.rig.reaches("a.stl", State::heating));
   CHECK(web.post("cancel", "{\"job\":99}").status == 409);
   CHECK(web.post("cancel", "{broken").status == 400);
