@@ -142,6 +142,24 @@ void find_normals(Solid& s) {
   for (Vec3& n : s.vertex_normals) n = unit(n);
 }
 
+/// The integral of x·xᵀ over a triangle of area A is A/12 · (aaᵀ + bbᵀ + ccᵀ + ssᵀ), s = a + b + c.
+void find_spread(Solid& s) {
+  geom::Mat3 second = geom::Mat3::Zero();
+  Vec3 first = Vec3::Zero();
+  double area = 0;
+  for (const auto& t : s.triangles) {
+    const Vec3& a = s.vertices[t[0]];
+    const Vec3& b = s.vertices[t[1]];
+    const Vec3& c = s.vertices[t[2]];
+    const double w = 0.5 * (b - a).cross(c - a).norm();
+    const Vec3 sum = a + b + c;
+    second += w / 12 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose());
+    first += w / 3 * sum;
+    area += w;
+  }
+  if (area > 0) s.spread = second / area - first * first.transpose() / (area * area);
+}
+
 }  // namespace
 
 Solid prepare_solid(const mesh::TriangleMesh& mesh, const run::Context& ctx) {
@@ -150,6 +168,7 @@ Solid prepare_solid(const mesh::TriangleMesh& mesh, const run::Context& ctx) {
   const Vec3 middle = 0.5 * (box.min + box.max);
   s.vertices.reserve(mesh.vertices.size());
   for (const Vec3& v : mesh.vertices) s.vertices.push_back(v - middle);
+  s.box_mm3 = box.size().prod();
   s.triangles = mesh.triangles;
   for (const Vec3& v : s.vertices) s.radius_mm = std::max(s.radius_mm, v.norm());
   s.centre_of_mass = mesh::centroid(mesh) - middle;
@@ -157,6 +176,7 @@ Solid prepare_solid(const mesh::TriangleMesh& mesh, const run::Context& ctx) {
   find_neighbours(s);
   find_shells(s);
   find_normals(s);
+  find_spread(s);
   settle_fill(s, ctx);
   return s;
 }

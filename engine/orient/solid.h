@@ -37,9 +37,11 @@ struct Solid {
   std::vector<Vec3> vertex_normals;    ///< area-weighted, unit; zero where undefined
   std::vector<Vec3> triangle_normals;  ///< unit; zero for slivers without area
   Vec3 centre_of_mass = Vec3::Zero();
-  double signed_volume_mm3 = 0;  ///< as the divergence theorem has it: overlaps count twice
-  double volume_mm3 = 0;         ///< filled, overlaps counted once
-  double radius_mm = 0;          ///< of a ball about the origin that holds everything
+  double signed_volume_mm3 = 0;            ///< as the divergence theorem has it: overlaps count twice
+  double volume_mm3 = 0;                   ///< filled, overlaps counted once
+  geom::Mat3 spread = geom::Mat3::Zero();  ///< second moments of the surface about its centroid, mm²
+  double box_mm3 = 0;                      ///< of the bounding box as delivered
+  double radius_mm = 0;                    ///< of a ball about the origin that holds everything
 };
 
 /// Throws run::Stopped.

@@ -14,8 +14,7 @@ struct Projection {
   double x_min = 0, x_max = 0, y_min = 0, y_max = 0, h_min = 0, h_max = 0;
 };
 
-/// Projects along d. The axes across are turned by an angle that no design uses, so that the rows and
-/// columns of a raster run along no edge of a part.
+/// Projects along d. The axes across are the main axes of the part's surface as seen along d.
 void project(const Solid& solid, const Vec3& d, Projection& out);
 
 struct TrappedVolume {
@@ -28,28 +27,33 @@ struct TrappedVolume {
 /// Per vertical line, the topmost surface's height is the sum of the heights of all up-facing crossings less
 /// those hidden beneath it. The first sum is exact: one prism per up-facing facet. Only the second needs a
 /// raster of the up-facing surface, and it is zero in every column that material leaves once. A raster's
-/// error thus comes from the borders of hidden faces alone, not from silhouettes or slopes: at most half a
-/// cell times the border's length times the height hidden, and it is one cell in thousands across the part.
-/// The raster is refined while its even and odd rows disagree by more than kRasterTolerance of the bounding
-/// volume. For -d the same holds with up and down exchanged; both come out of one pass.
+/// error comes from the borders of hidden faces alone, not from silhouettes or slopes: at most half a cell
+/// times the border's length times the height hidden, and far less for a border that crosses many rows, as
+/// the turn of the raster makes sure. The raster is refined while its even and its odd rows disagree by more
+/// than half of what V may be off by: 1 % of it or 0.5 % of the box around the part, as delivered or as seen
+/// along d. For -d the same holds with up and down exchanged; both come out of one pass.
 class TrappedVolumeRaster {
  public:
   TrappedVolume measure(const Solid& solid, const Projection& p);
 
  private:
-  struct Hidden {
-    double even = 0, odd = 0;  ///< sum of the hidden heights over even and odd rows, mm per cell
-    double total() const { return even + odd; }
-    double disagreement() const { return even - odd; }
+  /// What one of the two directions sees. Heights are above its plate, mm.
+  struct Side {
+    std::vector<float> surface;  ///< the topmost, by cell; 0: none
+    double prisms = 0;           ///< all surfaces' heights, exactly, mm · cells
+    double even = 0, odd = 0;    ///< hidden heights in even and odd rows, mm · cells
   };
+  struct Corner {
+    double x, y, h;
+  };
+  void place(const Projection& p, int cells);
   void scan(const Solid& solid, const Projection& p, int cells);
-  void scan_triangle(const double x[3], const double y[3], const double h[3], float* buffer, Hidden& hidden,
+  void scan_triangle(const double x[3], const double y[3], const double h[3], double det, Side& side,
                      int cells);
 
-  std::vector<float> tops_;     ///< highest up-facing surface above h_min; 0: none
-  std::vector<float> bottoms_;  ///< lowest down-facing surface below h_max; 0: none
-  Hidden hidden_up_, hidden_down_;
-  double prisms_up_ = 0, prisms_down_ = 0;
+  Side up_, down_;
+  std::vector<Corner> corners_;  ///< per vertex, in raster coordinates
+  double cell_mm2_ = 0;
 };
 
 }  // namespace voidpath::orient
