@@ -15,10 +15,8 @@ constexpr int kMostCells = 2048;
 /// What V may be off by: this share of it, or that of the box around the part, whichever is more.
 constexpr double kShareOfVolume = 0.01;
 constexpr double kShareOfBox = 0.005;
-/// The even and the odd rows, two rasters of half the density, may disagree by this share of what is allowed.
-/// The error of both together stays well within it (measured: below 0.6 of what is allowed in 3,500 views of
-/// 70 parts).
-constexpr double kDisagreement = 0.5;
+/// The raster's standard error, reckoned from how much neighbouring rows differ, may be this share of that.
+constexpr double kStandardError = 0.4;
 
 /// ceil(v) for what fits an int, without a call.
 int ceil_int(double v) {
@@ -108,9 +106,17 @@ TrappedVolume TrappedVolumeRaster::measure(const Solid& solid, const Projection&
     place(p, cells);
     scan(solid, p, cells);
     auto is_good = [&](const Side& side, double& v) {
-      v = std::max(0.0, cell_mm2_ * (side.prisms - side.even - side.odd) - solid.volume_mm3);
+      double hidden = 0;
+      double differences = 0;
+      for (std::size_t j = 0; j < side.hidden.size(); ++j) {
+        const double next = j + 1 < side.hidden.size() ? side.hidden[j + 1] : 0;
+        hidden += side.hidden[j];
+        differences += (side.hidden[j] - next) * (side.hidden[j] - next);
+      }
+      v = std::max(0.0, cell_mm2_ * (side.prisms - hidden) - solid.volume_mm3);
       const double allowed = std::max(kShareOfVolume * v, kShareOfBox * box);
-      return cell_mm2_ * std::abs(side.even - side.odd) <= kDisagreement * allowed;
+      // Rows with errors of variance e² each differ by 2 e² in the square, and add up to that many e².
+      return cell_mm2_ * std::sqrt(differences / 2) <= kStandardError * allowed;
     };
     const bool good_up = is_good(up_, out.up_mm3);
     const bool good_down = is_good(down_, out.down_mm3);
@@ -142,7 +148,8 @@ void TrappedVolumeRaster::scan(const Solid& solid, const Projection& p, int cell
   const auto size = static_cast<std::size_t>(cells) * static_cast<std::size_t>(cells);
   for (Side* side : {&up_, &down_}) {
     side->surface.assign(size, 0.0F);
-    side->prisms = side->even = side->odd = 0;
+    side->hidden.assign(static_cast<std::size_t>(cells), 0.0);
+    side->prisms = 0;
   }
   for (const auto& t : solid.triangles) {
     const Corner& a = corners_[t[0]];
@@ -192,7 +199,7 @@ void TrappedVolumeRaster::scan_triangle(const double x[3], const double y[3], co
     const double za = std::clamp(z0 + gx * (from - x[0]), h_low, h_high);
     const double zb = std::clamp(z0 + gx * (to - 1 - x[0]), h_low, h_high);
     float* cell = side.surface.data() + static_cast<std::ptrdiff_t>(j) * cells + from;
-    (j % 2 == 0 ? side.even : side.odd) += deposit(cell, to - from, za, zb);
+    side.hidden[static_cast<std::size_t>(j)] += deposit(cell, to - from, za, zb);
   }
 }
 
