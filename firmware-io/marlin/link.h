@@ -33,6 +33,7 @@ struct Tag {
   std::uint64_t file_position = 0;
   bool heating = false;
   bool is_long = false;
+  bool homing = false;
 };
 
 /// The numbered dialogue with its timers: the window, what is to be written, what comes back. No I/O.

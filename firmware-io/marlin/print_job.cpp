@@ -24,6 +24,8 @@ void PrintJob::note_sent(const std::string& text) {
   if (is_heating_wait(text)) {
     heating_ = true;
     emit_(Heating{true});
+  } else if (is_homing(text)) {
+    homing_ = true;
   } else if (motion_armed_ && is_motion(text)) {
     motion_armed_ = false;
     emit_(MotionStarted{});
@@ -31,7 +33,9 @@ void PrintJob::note_sent(const std::string& text) {
 }
 
 PrintJob::Step PrintJob::feed_line(Link& link, double t) {
-  if (heating_) return Step::wait;
+  // What comes after a wait or a homing is held back until that has ended, so that the first motion goes out,
+  // and is timed, when it can begin.
+  if (heating_ || homing_) return Step::wait;
   if (!fetch()) {
     if (!link.may_send("M400")) return Step::wait;
     if (!std::exchange(started_, true)) emit_(PrintStarted{});
@@ -47,7 +51,8 @@ PrintJob::Step PrintJob::feed_line(Link& link, double t) {
     return Step::wait;
   }
   if (!link.may_send(text) || (is_heating_wait(text) && !link.all_acknowledged())) return Step::wait;
-  const Tag tag{Tag::Kind::file, pending_->index, pending_position_, is_heating_wait(text), is_long(text)};
+  const Tag tag{Tag::Kind::file,       pending_->index, pending_position_,
+                is_heating_wait(text), is_long(text),   is_homing(text)};
   link.send(text, tag, t);
   note_sent(text);
   pending_.reset();
@@ -85,6 +90,7 @@ void PrintJob::on_temperature_ok(const Link& link) {
 }
 
 void PrintJob::on_acknowledged(const Tag& tag, const Link& link) {
+  if (tag.homing) homing_ = false;
   if (tag.heating) {
     heating_ = false;
     motion_armed_ = true;

@@ -62,6 +62,7 @@ class PrintJob {
   std::optional<std::uint64_t> disturbances_;  ///< of the link when the print began
   bool started_ = false;
   bool heating_ = false;      ///< a heating wait is out
+  bool homing_ = false;       ///< a homing or probing command is out
   bool motion_armed_ = true;  ///< no motion since the start or the last heating wait
   std::deque<std::string> ending_lines_;
   std::size_t ending_unacknowledged_ = 0;

@@ -16,14 +16,14 @@ class BenchRig {
   struct Options {
     bool auto_clear = true;
     std::string mock_speed = "0";
-    std::string faults;         ///< text of a fault script; empty: none
-    std::string extra_config;   ///< top-level lines
+    std::string faults = "";        ///< text of a fault script; empty: none
+    std::string extra_config = "";  ///< top-level lines
   };
   BenchRig() : BenchRig(Options{}) {}
   explicit BenchRig(Options options);
 
   void start_mock();
-  /// Waits until it answers. With `args` appended.
+  /// Waits until it answers.
   void start_daemon();
   void kill_daemon();
   /// SIGTERM and wait; returns the exit code.
