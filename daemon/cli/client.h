@@ -68,5 +68,7 @@ void print_calibration(const daemon::Json& calibration);
 
 int logs_command(const DaemonClient& client, const ClientFlags& flags);
 int terminal_command(const DaemonClient& client, const ClientFlags& flags);
+/// Shows what goes on until nothing does any more; for ever with --follow.
+int watch_command(const DaemonClient& client, const ClientFlags& flags);
 
 }  // namespace voidpath::cli

@@ -37,8 +37,8 @@ constexpr std::array<Plain, 10> kPlain = {{{"pause", 0, 0, ""},
                                            {"retry", 1, 1, "JOB"},
                                            {"resume-interrupted", 1, 1, "JOB"},
                                            {"discard", 1, 1, "JOB"}}};
-constexpr std::array<const char*, 7> kOthers = {"status",      "add",  "queue",   "history",
-                                                "calibration", "logs", "terminal"};
+constexpr std::array<const char*, 8> kOthers = {"status",      "add",  "queue",    "history",
+                                                "calibration", "logs", "terminal", "watch"};
 
 int plain_command(const Plain& plain, const DaemonClient& client, const ClientFlags& flags) {
   const int count = static_cast<int>(flags.rest.size());
@@ -92,6 +92,7 @@ int other_command(const std::string& command, const DaemonClient& client, const 
   if (!flags.rest.empty()) throw ClientError(kUsage, command + " takes no arguments");
   if (command == "history") return history_command(client, flags);
   if (command == "logs") return logs_command(client, flags);
+  if (command == "watch") return watch_command(client, flags);
   if (command == "terminal") return terminal_command(client, flags);
   const Json answer = client.get(command);
   if (flags.json) {

@@ -27,7 +27,8 @@ With the daemon (--config FILE or --host HOST:PORT say where it is; --printer NA
   resume-interrupted JOB     print an interrupted one again from its beginning
   discard JOB                give an interrupted one up
   history [--json|--csv]     measured prints               calibration [--json]       what they taught
-  logs [-f]                  events                        terminal                   talk to the printer
+  watch [-f]                 follow what goes on           logs [-f]                  events
+  terminal                   talk to the printer
 
 voidpath COMMAND --help tells more of the first group. Exit codes: 0 done; 1 it failed; 2 wrong usage or
 configuration; 3 input refused; 4 daemon or printer not reachable.

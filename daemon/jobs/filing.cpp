@@ -1,6 +1,7 @@
 #include "daemon/jobs/filing.h"
 
 #include "daemon/jobs/facts_json.h"
+#include "daemon/jobs/report_text.h"
 
 #include <cmath>
 #include <fstream>
@@ -43,29 +44,6 @@ Json::Object csv_cells(const PrintRecord& record) {
     }
   }
   return flat.members();
-}
-
-std::string report_text(const Job& job, const PrintRecord& record) {
-  std::string out = job.file_name() + ": " + record.state + "\n";
-  const auto line = [&](const std::string& name, const std::string& value) {
-    if (!value.empty()) out += name + ": " + value + "\n";
-  };
-  const auto seconds = [](const std::optional<double>& value) {
-    return value ? number_text(std::round(*value * 10) / 10) + " s" : std::string();
-  };
-  line("reason", record.reason);
-  line("printer", record.printer);
-  line("firmware", record.firmware);
-  line("started", record.started);
-  line("ended", record.ended);
-  line("orientation", record.facts.method + (record.facts.why.empty() ? "" : " (" + record.facts.why + ")"));
-  if (record.facts.layers > 0) line("layers", std::to_string(record.facts.layers));
-  if (record.facts.predicted_s > 0) line("predicted", seconds(record.facts.predicted_s));
-  line("measured", seconds(record.measured_s));
-  if (record.total_s) line("heating", seconds(record.heating_s));
-  line("total", seconds(record.total_s));
-  for (const auto& note : record.facts.notes) line("note", note);
-  return out;
 }
 
 void write_file(const fs::path& file, const std::string& text) {
