@@ -80,8 +80,11 @@ std::string why_not_printable(const Solid& solid, const std::vector<Index>& hull
   }
   Contact contact = find_contact(solid, p, end, limits.contact_depth_mm);
   if (contact.area_mm2 < limits.min_contact_mm2) {
-    const double rectangle = smallest_rectangle(footprint(hull_vertices, p)).area();
-    if (contact.area_mm2 < limits.min_contact_share * rectangle || rectangle <= 0)
+    // The rectangle along the projection's axes is no smaller than the smallest: most often it settles this.
+    const double around = (p.x_max - p.x_min) * (p.y_max - p.y_min);
+    const bool enough = around > 0 && contact.area_mm2 >= limits.min_contact_share * around;
+    const double rectangle = enough ? around : smallest_rectangle(footprint(hull_vertices, p)).area();
+    if (!enough && (contact.area_mm2 < limits.min_contact_share * rectangle || rectangle <= 0))
       return "too little to stand on: " + number(contact.area_mm2, 1) + " mm² touch the plate";
   }
   // Seen along the direction; for the part upside down the same picture mirrored, which changes no distance.

@@ -86,13 +86,31 @@ double depth_inside(const std::vector<Point2>& outline, Point2 p) {
 }
 
 Rectangle smallest_rectangle(const std::vector<Point2>& outline) {
+  const std::size_t n = outline.size();
+  if (n < 2) return {};
+  // Rotating calipers (Toussaint 1983): as the edge moves on, so do the corners furthest along it, across it
+  // and against it.
+  std::size_t front = 0;
+  std::size_t far = 0;
+  std::size_t back = 0;
   Rectangle best;
   double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < outline.size(); ++i) {
+  for (std::size_t i = 0; i < n; ++i) {
     const Point2 a = outline[i];
-    const Point2 b = outline[(i + 1) % outline.size()];
-    const double angle = std::atan2(b.y - a.y, b.x - a.x);
-    const Rectangle r{extent(outline, angle).width, extent(outline, angle + std::numbers::pi / 2).width};
+    const Point2 b = outline[(i + 1) % n];
+    const double length = std::hypot(b.x - a.x, b.y - a.y);
+    if (!(length > 0)) continue;
+    const double ux = (b.x - a.x) / length;
+    const double uy = (b.y - a.y) / length;
+    auto along = [&](std::size_t k) { return ux * outline[k % n].x + uy * outline[k % n].y; };
+    auto across = [&](std::size_t k) { return ux * outline[k % n].y - uy * outline[k % n].x; };
+    front = std::max(front, i + 1);
+    while (front < i + n && along(front + 1) >= along(front)) ++front;
+    far = std::max(far, front);
+    while (far < i + n && across(far + 1) >= across(far)) ++far;
+    back = std::max(back, far);
+    while (back < i + n && along(back + 1) <= along(back)) ++back;
+    const Rectangle r{along(front) - along(back), across(far) - across(i)};
     if (r.area() < least) {
       least = r.area();
       best = r;

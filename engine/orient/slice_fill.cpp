@@ -1,10 +1,12 @@
 #include "engine/orient/slice_fill.h"
 
 #include "engine/geom/polygon_ops.h"
+#include "engine/orient/segment_distance.h"
 #include "engine/orient/self_contact.h"
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace voidpath::orient {
 
@@ -78,24 +80,69 @@ void unite(std::vector<Contour>& contours, std::vector<Point2>& points, double t
 
 void SliceFill::prepare(const Solid& solid, const Projection& p, const std::vector<Slab>& slabs) {
   solid_ = &solid;
+  p_ = &p;
+  slabs_ = &slabs;
   sound_ = solid.contacts.empty() && std::none_of(solid.shell_walls.begin(), solid.shell_walls.end(),
                                                   [](Wall w) { return w == Wall::swallowed; });
-  crossed_.assign(slabs.size(), 0);
+  first_.assign(slabs.size() + 1, 0);
+  near_.clear();
+  if (sound_) return;
   const double touch = touch_mm(solid);
   auto span = [&](Index t) {
     const auto& [a, b, c] = solid.triangles[t];
     return std::minmax({p.h[a], p.h[b], p.h[c]});
   };
-  for (const auto& [t, u] : solid.contacts) {
-    const auto [t0, t1] = span(t);
-    const auto [u0, u1] = span(u);
+  auto each_slice = [&](Index contact, const auto& visit) {
+    const auto [t0, t1] = span(solid.contacts[contact].first);
+    const auto [u0, u1] = span(solid.contacts[contact].second);
     const double low = std::max(t0, u0) - touch;
     const double high = std::min(t1, u1) + touch;
     auto i = std::lower_bound(slabs.begin(), slabs.end(), low,
                               [](const Slab& s, double h) { return s.middle_mm < h; });
-    for (; i != slabs.end() && i->middle_mm <= high; ++i)
-      crossed_[static_cast<std::size_t>(i - slabs.begin())] = 1;
+    for (; i != slabs.end() && i->middle_mm <= high; ++i) visit(static_cast<std::size_t>(i - slabs.begin()));
+  };
+  const auto contacts = static_cast<Index>(solid.contacts.size());
+  for (Index k = 0; k < contacts; ++k) each_slice(k, [&](std::size_t i) { ++first_[i + 1]; });
+  std::partial_sum(first_.begin(), first_.end(), first_.begin());
+  near_.resize(first_.back());
+  std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+  for (Index k = 0; k < contacts; ++k) each_slice(k, [&](std::size_t i) { near_[next[i]++] = k; });
+}
+
+/// Whether in slice i the lines of any two facets that meet somewhere meet here.
+bool SliceFill::contours_cross(std::size_t i) const {
+  const double level = (*slabs_)[i].middle_mm;
+  const double touch = touch_mm(*solid_);
+  struct Segment {
+    Point2 a, b;
+    int ends = 0;
+  };
+  auto cut = [&](Index t) {
+    Segment s;
+    const auto& v = solid_->triangles[t];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Index a = v[k];
+      const Index b = v[(k + 1) % 3];
+      const bool up_a = p_->h[a] + kHeightNoise >= level;
+      if (up_a == (p_->h[b] + kHeightNoise >= level)) continue;
+      const double r = std::clamp((level - p_->h[a]) / (p_->h[b] - p_->h[a]), 0.0, 1.0);
+      const Point2 q{p_->x[a] + r * (p_->x[b] - p_->x[a]), p_->y[a] + r * (p_->y[b] - p_->y[a])};
+      (s.ends++ == 0 ? s.a : s.b) = q;
+    }
+    return s;
+  };
+  auto side = [](Point2 o, Point2 a, Point2 b) {
+    return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x);
+  };
+  for (std::size_t k = first_[i]; k < first_[i + 1]; ++k) {
+    const Segment s = cut(solid_->contacts[near_[k]].first);
+    const Segment t = cut(solid_->contacts[near_[k]].second);
+    if (s.ends != 2 || t.ends != 2) continue;
+    const bool cross = (side(s.a, s.b, t.a) > 0) != (side(s.a, s.b, t.b) > 0) &&
+                       (side(t.a, t.b, s.a) > 0) != (side(t.a, t.b, s.b) > 0);
+    if (cross || segments2(s.a, s.b, t.a, t.b) <= touch * touch) return true;
   }
+  return false;
 }
 
 void SliceFill::settle(std::size_t i, std::vector<Contour>& contours, std::vector<Point2>& points) const {
@@ -105,7 +152,7 @@ void SliceFill::settle(std::size_t i, std::vector<Contour>& contours, std::vecto
   });
   const bool tangled = std::any_of(contours.begin(), contours.end(),
                                    [&](const Contour& c) { return solid_->shell_tangled[c.shell] != 0; });
-  if (crossed_[i] != 0) {
+  if (contours_cross(i)) {
     unite(contours, points, touch_mm(*solid_));
   } else if (tangled) {
     settle_nested(contours, points);

@@ -20,9 +20,15 @@ class SliceFill {
   void settle(std::size_t i, std::vector<Contour>& contours, std::vector<Point2>& points) const;
 
  private:
+  bool contours_cross(std::size_t i) const;
+
   const Solid* solid_ = nullptr;
+  const Projection* p_ = nullptr;
+  const std::vector<Slab>* slabs_ = nullptr;
   bool sound_ = true;  ///< nothing to do in any slice
-  std::vector<std::uint8_t> crossed_;
+  /// Solid::contacts whose two facets slice i may cut: near_[first_[i]] to near_[first_[i + 1]].
+  std::vector<std::size_t> first_;
+  std::vector<Index> near_;
 };
 
 }  // namespace voidpath::orient

@@ -47,6 +47,7 @@ class TrappedVolumeRaster {
   struct Corner {
     double x, y, h;
   };
+  double error_of(const Side& side, double solid_mm3, double box_mm3, double& v_mm3) const;
   void place(const Projection& p, int cells);
   void scan(const Solid& solid, const Projection& p, int cells);
   void scan_triangle(const double x[3], const double y[3], const double h[3], double det, Side& side,
