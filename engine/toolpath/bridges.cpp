@@ -1,4 +1,4 @@
-#include "engine/toolpath/edge_grid.h"
+#include "engine/geom/area_grid.h"
 #include "engine/toolpath/hatch.h"
 #include "engine/toolpath/surfaces.h"
 
@@ -46,7 +46,7 @@ std::vector<double> edge_directions(const geom::Ring& ring) {
   return out;
 }
 
-Judgement judge(const geom::Region& hanging, const EdgeGrid& below, double angle, double probe_mm,
+Judgement judge(const geom::Region& hanging, const geom::AreaGrid& below, double angle, double probe_mm,
                 double reach_mm) {
   const double reach = reach_mm * geom::kNmPerMm;
   const Point step{std::llround(std::cos(angle) * reach), std::llround(std::sin(angle) * reach)};
@@ -79,7 +79,7 @@ BridgeArea plan_bridge(const geom::Region& hanging, const geom::Regions& below, 
   const double probe = std::min(kProbeMm, size / kProbesAcross);
   std::vector<double> directions = edge_directions(hanging.outer);
   for (int i = 0; i < kDirections; ++i) directions.push_back(pi * i / kDirections);
-  const EdgeGrid grid(below);
+  const geom::AreaGrid grid(below);
   Judgement best{-1, 0};
   for (const double angle : directions) {
     const Judgement j = judge(hanging, grid, angle, probe, reach_mm);

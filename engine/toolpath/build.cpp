@@ -101,11 +101,16 @@ Plan build(const slice::LayerStack& cuts, const PrintSettings& settings, const r
     plan.layers[i].span = stack[i].span;
     plan.layers[i].paths = sequencer.order(std::move(drafts[i]), beads[i]);
   }
+  std::vector<geom::Regions> supported(n);
   run::parallel_for(ctx, n, [&](std::size_t i) {
     if (i > 0)
       mark_overhangs(plan.layers[i].paths, stack[i].regions, stack[i - 1].regions, beads[i].width_mm);
+    supported[i] = quick_unite(supports[i].sparse, supports[i].interface);
   });
-  for (std::size_t i = 0; i < n; ++i) plan.layers[i].outline = std::move(stack[i].regions);
+  for (std::size_t i = 0; i < n; ++i) {
+    plan.layers[i].outline = std::move(stack[i].regions);
+    plan.layers[i].support = std::move(supported[i]);
+  }
   ctx.progress("toolpaths", 1.0);
   return plan;
 }

@@ -17,8 +17,7 @@ namespace {
 
 using geom::from_mm;
 
-/// Densities of support right under the part, and on the plate where it must hold.
-constexpr double kInterfaceDensity = 0.8;
+/// Density of support on the plate, where it must hold.
 constexpr double kFirstLayerSupportDensity = 0.5;
 /// Support lines are joined over gaps up to this, in their own spacings.
 constexpr double kSupportLinkSpacings = 1.6;
@@ -115,15 +114,17 @@ class Sharer {
   std::vector<geom::Box> boxes_;
 };
 
-void draft_support(std::vector<Path>& out, const SupportAreas& areas, std::size_t index, const BeadSize& bead,
-                   const SliceSettings& settings) {
+void draft_support(std::vector<IslandDraft>& out, const SupportAreas& areas, std::size_t index,
+                   const BeadSize& bead, const SliceSettings& settings) {
   const double spacing = bead.spacing_mm();
   auto fill = [&](const geom::Regions& regions, double density, double angle, Role role) {
     if (regions.empty() || density <= 0) return;
     const double apart = spacing / std::min(density, 1.0);
     for (const auto& domain : geom::offset(regions, -from_mm(0.5 * bead.width_mm))) {
       Hatch h = hatch({domain}, {angle, apart, false, kSupportLinkSpacings * apart});
-      add_fill(out, role, {std::move(h.lines), false, spacing}, bead, settings.resolution_mm);
+      out.emplace_back();
+      add_fill(out.back().fills, role, {std::move(h.lines), false, spacing}, bead, settings.resolution_mm);
+      if (out.back().fills.empty()) out.pop_back();
     }
   };
   const double density =
@@ -177,7 +178,7 @@ LayerDraft draft_layer(const slice::Layer& layer, std::size_t index, LayerWalls&
   each(surfaces.top, [&](const geom::Region& domain, std::vector<Path>& fills) {
     add_fill(fills, Role::top_solid_infill, solid_fill(domain, angle, bead), bead, s.resolution_mm);
   });
-  draft_support(out.support, support, index, bead, s);
+  draft_support(out.supports, support, index, bead, s);
   return out;
 }
 

@@ -1,15 +1,17 @@
 #include "engine/toolpath/emit.h"
 
-#include "engine/toolpath/edge_grid.h"
+#include "engine/run/parallel_for.h"
 #include "engine/toolpath/gcode_text.h"
 #include "engine/toolpath/pace.h"
 #include "engine/toolpath/placeholders.h"
+#include "engine/toolpath/travel.h"
 #include "engine/toolpath/writer.h"
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
+#include <optional>
 #include <ostream>
+#include <vector>
 
 namespace voidpath::toolpath {
 
@@ -36,6 +38,7 @@ class Emitter {
     // Both are expanded first: a mistake in the end G-code must not show after an hour of printing.
     const std::string start = expand(settings_.machine.start_gcode, values, "start G-code");
     const std::string end = expand(settings_.machine.end_gcode, values, "end G-code");
+    plan_ways();
     write_header(header);
     if (!start.empty()) writer_.raw(start);
     writer_.begin();
@@ -95,16 +98,27 @@ class Emitter {
     writer_.comment("HEIGHT:" + decimal(layer.span.height_mm(), 3));
     writer_.reset_e();
     if (i == 1) change_temperatures();
-    outline_.reset();
     pace_ = pace_of_layer(layer, i, settings_);
     z_pending_ = true;
     has_type_ = false;
-    for (const Path& path : layer.paths)
-      if (path.points.size() > 1) print(path, i);
+    for (std::size_t k = 0; k < layer.paths.size(); ++k)
+      if (layer.paths[k].points.size() > 1) print(layer.paths[k], travels_[i][k], i);
   }
 
-  void print(const Path& path, std::size_t i) {
-    go_to(path.points.front(), plan_.layers[i]);
+  void plan_ways() {
+    const std::size_t n = plan_.layers.size();
+    std::vector<std::optional<geom::Point>> start(n + 1);
+    for (std::size_t i = 0; i < n; ++i) {
+      start[i + 1] = end_of_layer(plan_.layers[i]);
+      if (!start[i + 1]) start[i + 1] = start[i];
+    }
+    travels_.resize(n);
+    run::parallel_for(
+        ctx_, n, [&](std::size_t i) { travels_[i] = plan_travels(plan_.layers[i], start[i], settings_); });
+  }
+
+  void print(const Path& path, const Travel& travel, std::size_t i) {
+    go_to(path.points.front(), travel, plan_.layers[i]);
     describe(path);
     const double print_acceleration = i == 0 && settings_.acceleration.first_layer > 0
                                           ? settings_.acceleration.first_layer
@@ -136,27 +150,15 @@ class Emitter {
     }
   }
 
-  void go_to(const geom::Point& to, const LayerPlan& layer) {
-    const bool move = !writer_.at() || !(*writer_.at() == to);
-    if (z_pending_) {
-      if (writer_.at() && needs_retraction(*writer_.at(), to, layer)) writer_.retract();
-      writer_.layer_height(layer.span.top_mm);
-      z_pending_ = false;
-    } else if (move && needs_retraction(*writer_.at(), to, layer)) {
-      writer_.retract();
-    }
-    if (!move) return;
+  void go_to(const geom::Point& to, const Travel& travel, const LayerPlan& layer) {
+    if (travel.retract && writer_.at()) writer_.retract();
+    if (z_pending_) writer_.layer_height(layer.span.top_mm);
+    z_pending_ = false;
+    if (writer_.at() && *writer_.at() == to) return;
     if (settings_.acceleration.travel > 0 && settings_.acceleration.print > 0)
       writer_.acceleration(settings_.acceleration.travel);
+    for (const geom::Point& p : travel.via) writer_.travel(p);
     writer_.travel(to);
-  }
-
-  /// Oozing shows only outside: a travel that stays within the layer's outline needs no retraction.
-  bool needs_retraction(const geom::Point& from, const geom::Point& to, const LayerPlan& layer) {
-    if (settings_.retract.length_mm <= 0) return false;
-    if (geom::distance(from, to) < settings_.retract.min_travel_mm * geom::kNmPerMm) return false;
-    if (!outline_) outline_ = std::make_unique<EdgeGrid>(layer.outline);
-    return !outline_->contains(from, to);
   }
 
   const Plan& plan_;
@@ -164,7 +166,7 @@ class Emitter {
   std::ostream& out_;
   const run::Context& ctx_;
   Writer writer_;
-  std::unique_ptr<EdgeGrid> outline_;
+  std::vector<std::vector<Travel>> travels_;  ///< by layer and path
   Pace pace_;
   Role role_ = Role::infill;
   bool has_type_ = false;

@@ -1,8 +1,8 @@
 #include "engine/toolpath/infill.h"
 
+#include "engine/geom/area_grid.h"
 #include "engine/geom/polygon_ops.h"
 #include "engine/toolpath/bead.h"
-#include "engine/toolpath/edge_grid.h"
 #include "engine/toolpath/hatch.h"
 
 #include <algorithm>
@@ -50,7 +50,7 @@ FillLines gyroid(const geom::Region& domain, double z, double period, double bea
   FillLines out{{}, false, bead_spacing};
   const auto box = geom::bounds(domain.outer);
   if (!box) return out;
-  const EdgeGrid grid(geom::Regions{domain});
+  const geom::AreaGrid grid(geom::Regions{domain});
   for (const auto& line : gyroid_lines(*box, z, period))
     for (auto& piece : grid.split(line))
       if (piece.inside && geom::length(piece.points) >= kMinLineMm * geom::kNmPerMm)

@@ -10,9 +10,11 @@ namespace {
 
 using geom::Point;
 
-/// Effort: 2-opt looks this far along the sequence and goes over it this often.
+/// Effort: improvements look this far along the sequence and go over it this often.
 constexpr std::size_t kWindow = 60;
 constexpr int kPasses = 4;
+/// Runs of up to this many visits are tried in other places.
+constexpr std::size_t kMaxMoved = 3;
 /// Gains below this are not worth a change, nm.
 constexpr double kMinGain = 1000;
 
@@ -77,11 +79,66 @@ bool improve(const std::vector<Stop>& stops, const Point& from, std::vector<Visi
   return better;
 }
 
+/// Takes short runs of visits out and puts them where they cost less, turned round if that is better
+/// (Or-opt).
+bool relocate(const std::vector<Stop>& stops, const Point& from, std::vector<Visit>& seq) {
+  bool better = false;
+  const std::size_t n = seq.size();
+  /// Way from visit i to visit j of the sequence; i = -1 is the start, beyond the end there is none.
+  auto way = [&](std::size_t i, std::size_t j) {
+    if (j >= n) return 0.0;
+    return geom::distance(i + 1 == 0 ? from : leave(stops, seq[i]), entry(stops, seq[j]));
+  };
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t length = 1; length <= kMaxMoved && i + length <= n; ++length) {
+      const std::size_t j = i + length - 1;
+      const double saved = way(i - 1, i) + way(j, j + 1) - way(i - 1, j + 1);
+      if (saved < kMinGain) continue;
+      const bool turnable = std::all_of(seq.begin() + static_cast<std::ptrdiff_t>(i),
+                                        seq.begin() + static_cast<std::ptrdiff_t>(j) + 1,
+                                        [&](const Visit& v) { return stops[v.index].reversible; });
+      const Point &first = entry(stops, seq[i]), &last = leave(stops, seq[j]);
+      double best = saved - kMinGain;
+      std::size_t place = n;  // after this visit
+      bool turned = false;
+      const std::size_t low = i > kWindow ? i - kWindow : 0;
+      for (std::size_t k = low; k <= std::min(j + kWindow, n); ++k) {  // between k - 1 and k
+        if (k >= i && k <= j + 1) continue;
+        const Point& before = k == 0 ? from : leave(stops, seq[k - 1]);
+        const double old = way(k - 1, k);
+        const double ahead = k < n ? geom::distance(last, entry(stops, seq[k])) : 0;
+        const double behind = k < n ? geom::distance(first, entry(stops, seq[k])) : 0;
+        const double cost = geom::distance(before, first) + ahead - old;
+        if (cost < best) best = cost, place = k, turned = false;
+        const double cost_turned = geom::distance(before, last) + behind - old;
+        if (turnable && cost_turned < best) best = cost_turned, place = k, turned = true;
+      }
+      if (best >= saved - kMinGain) continue;
+      const auto begin = seq.begin() + static_cast<std::ptrdiff_t>(i);
+      const auto end = begin + static_cast<std::ptrdiff_t>(length);
+      if (turned) {
+        std::reverse(begin, end);
+        for (auto v = begin; v != end; ++v) v->reversed = !v->reversed;
+      }
+      const auto to = seq.begin() + static_cast<std::ptrdiff_t>(place);
+      if (place < i)
+        std::rotate(to, begin, end);
+      else
+        std::rotate(begin, end, to);
+      better = true;
+      break;
+    }
+  return better;
+}
+
 }  // namespace
 
 std::vector<Visit> order_stops(const std::vector<Stop>& stops, const Point& from) {
   std::vector<Visit> seq = nearest_neighbour(stops, from);
-  for (int pass = 0; pass < kPasses && improve(stops, from, seq); ++pass) {
+  for (int pass = 0; pass < kPasses; ++pass) {
+    const bool turned = improve(stops, from, seq);
+    const bool moved = relocate(stops, from, seq);
+    if (!turned && !moved) break;
   }
   return seq;
 }

@@ -20,7 +20,7 @@ struct Visit {
 };
 
 /// An order of all stops that keeps the travel between them short, starting from `from`: nearest neighbour,
-/// then 2-opt while it pays, within limits of effort. Depends on the input alone.
+/// then 2-opt and Or-opt while they pay, within limits of effort. Depends on the input alone.
 std::vector<Visit> order_stops(const std::vector<Stop>& stops, const geom::Point& from);
 
 }  // namespace voidpath::toolpath

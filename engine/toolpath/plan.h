@@ -45,6 +45,8 @@ struct LayerPlan {
   std::vector<Path> paths;
   /// The part's own outline in this layer, for travel that should stay inside.
   geom::Regions outline;
+  /// Where support is printed.
+  geom::Regions support;
 };
 
 struct Plan {

@@ -1,13 +1,14 @@
 #include "engine/toolpath/sequence.h"
 
+#include "engine/geom/area_grid.h"
 #include "engine/geom/polygon_ops.h"
-#include "engine/toolpath/edge_grid.h"
 #include "engine/toolpath/order.h"
 #include "engine/toolpath/region_ops.h"
 
 #include <algorithm>
 #include <iterator>
 #include <limits>
+#include <optional>
 
 namespace voidpath::toolpath {
 
@@ -24,6 +25,11 @@ const Point& end_of(const Path& path) { return path.closed ? path.points.front()
 
 Point middle(const geom::Box& box) { return {(box.min.x + box.max.x) / 2, (box.min.y + box.max.y) / 2}; }
 
+geom::Box united(const geom::Box& a, const geom::Box& b) {
+  return {{std::min(a.min.x, b.min.x), std::min(a.min.y, b.min.y)},
+          {std::max(a.max.x, b.max.x), std::max(a.max.y, b.max.y)}};
+}
+
 Stop stop_of(const Path& path) {
   if (path.closed) return {path.points.front(), path.points.front(), false};
   return {path.points.front(), path.points.back(), true};
@@ -31,18 +37,20 @@ Stop stop_of(const Path& path) {
 
 /// Where an island is, for the order of islands.
 Stop stop_of(const IslandDraft& island) {
-  Point p{};
+  std::optional<geom::Box> box;
   if (!island.walls.empty()) {
-    if (const auto box = geom::bounds(island.walls.front().front().ring)) p = middle(*box);
-  } else if (!island.fills.empty()) {
-    p = island.fills.front().points.front();
+    box = geom::bounds(island.walls.front().front().ring);
+  } else {
+    for (const Path& fill : island.fills)
+      if (const auto more = geom::bounds(fill.points)) box = box ? united(*box, *more) : *more;
   }
+  const Point p = box ? middle(*box) : Point{};
   return {p, p, true};
 }
 
 /// Stretches that are too short join the one before them.
-std::vector<Piece> merge_short(std::vector<Piece>&& pieces) {
-  std::vector<Piece> out;
+std::vector<geom::Piece> merge_short(std::vector<geom::Piece>&& pieces) {
+  std::vector<geom::Piece> out;
   for (auto& piece : pieces) {
     const bool is_short = geom::length(piece.points) < kMinOverhangMm * geom::kNmPerMm;
     if (!out.empty() && (is_short || out.back().inside == piece.inside)) {
@@ -126,7 +134,8 @@ std::vector<Path> Sequencer::order(LayerDraft&& draft, const BeadSize& bead) {
     p.points = start_at(p.points, nearest_vertex(p.points, at_));
     print(std::move(p));
   }
-  print_any(std::move(draft.support));
+  draft.islands.insert(draft.islands.end(), std::make_move_iterator(draft.supports.begin()),
+                       std::make_move_iterator(draft.supports.end()));
   std::vector<Stop> stops;
   for (const auto& island : draft.islands) stops.push_back(stop_of(island));
   for (const Visit& v : order_stops(stops, at_)) print_island(std::move(draft.islands[v.index]), bead);
@@ -140,7 +149,7 @@ void mark_overhangs(std::vector<Path>& paths, const geom::Regions& own, const ge
   const geom::Regions hanging = quick_subtract(own, carried);
   if (hanging.empty()) return;
   const geom::Box box = grown(*geom::bounds(hanging), geom::from_mm(width_mm));
-  const EdgeGrid grid(carried);
+  const geom::AreaGrid grid(carried);
   std::vector<Path> out;
   for (Path& path : paths) {
     const auto own_box = geom::bounds(path.points);
@@ -151,13 +160,13 @@ void mark_overhangs(std::vector<Path>& paths, const geom::Regions& own, const ge
     }
     geom::Polyline line = path.points;
     if (path.closed) line.push_back(line.front());
-    std::vector<Piece> pieces = merge_short(grid.split(line));
+    std::vector<geom::Piece> pieces = merge_short(grid.split(line));
     if (pieces.size() <= 1) {
       if (!pieces.empty() && !pieces.front().inside) path.role = Role::overhang_perimeter;
       out.push_back(std::move(path));
       continue;
     }
-    for (Piece& piece : pieces) {
+    for (geom::Piece& piece : pieces) {
       Path part = path;
       part.closed = false;
       part.points = std::move(piece.points);

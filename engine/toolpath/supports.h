@@ -10,6 +10,9 @@
 
 namespace voidpath::toolpath {
 
+/// Density of support right under the part.
+inline constexpr double kInterfaceDensity = 0.8;
+
 /// Where support is printed in one layer.
 struct SupportAreas {
   geom::Regions sparse;

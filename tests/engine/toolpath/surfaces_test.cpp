@@ -97,35 +97,6 @@ TEST_CASE("a bridge spans the gap between its legs") {
   CHECK(count(plan.layers[21], Role::bridge_infill) == 0);
 }
 
-TEST_CASE("nothing is printed in mid-air but bridges and what support holds") {
-  toolpath::PrintSettings s;
-  s.slice.skirt_loops = 0;
-  for (const auto& stack : {arch_stack(20, 10, 6, 2, 4), arch_stack(60, 10, 6, 2, 4),
-                            mushroom_stack(24, 6, 1, 6), cup_stack(30, 5, 2, 1), cone_stack(3, 6, 16)}) {
-    const auto plan = toolpath::build(stack, s);
-    for (std::size_t i = 1; i < plan.layers.size(); ++i) {
-      geom::Regions held = covered(plan.layers[i - 1], is_part, 0.15);
-      // Support ends a gap below what it holds.
-      for (std::size_t k = i; k-- > 0 && k + 3 > i;)
-        held = geom::unite(
-            held,
-            geom::offset(covered(plan.layers[k], [](const auto& p) { return !is_part(p); }), from_mm(0.8)));
-      held = geom::unite(held, geom::close(held, from_mm(1.6)));  // sparse lines carry what crosses them
-      double loose = 0;
-      for (const auto& p : plan.layers[i].paths) {
-        if (!is_part(p) || p.role == Role::bridge_infill) continue;
-        for (const auto& piece : geom::clip_outside({line_of(p)}, held)) {
-          const bool bridged =
-              p.role == Role::overhang_perimeter && count(plan.layers[i], Role::bridge_infill) > 0;
-          if (!bridged) loose += geom::length(piece) / geom::kNmPerMm;
-        }
-      }
-      CAPTURE(i);
-      CHECK(loose < 1.0);
-    }
-  }
-}
-
 TEST_CASE("support keeps its distance from the part and stands on something") {
   toolpath::PrintSettings s;
   s.slice.skirt_loops = 0;

@@ -1,4 +1,3 @@
-#include "engine/toolpath/edge_grid.h"
 #include "engine/toolpath/order.h"
 #include "engine/toolpath/perimeters.h"
 #include "engine/toolpath/seam.h"
@@ -121,24 +120,4 @@ TEST_CASE("an order visits every stop once and is no longer than the order given
   }
   for (const int n : seen) CHECK(n == 1);
   CHECK(ordered < 0.3 * given);
-}
-
-TEST_CASE("the edge grid agrees with plain geometry") {
-  geom::Region r{geom::make_circle({}, from_mm(10), 37),
-                 {geom::make_circle({from_mm(2), from_mm(1)}, from_mm(3), 11)}};
-  geom::reverse(r.holes[0]);
-  const toolpath::EdgeGrid grid(geom::Regions{r});
-  for (int x = -11; x <= 11; ++x)
-    for (int y = -11; y <= 11; ++y) {
-      const geom::Point p{from_mm(x + 0.013), from_mm(y + 0.017)};
-      CHECK(grid.contains(p) == geom::contains(r, p));
-    }
-  CHECK(grid.contains(geom::Point{from_mm(-8), 0}, geom::Point{from_mm(-5), from_mm(5)}));
-  CHECK_FALSE(grid.contains(geom::Point{from_mm(-8), from_mm(1)}, geom::Point{from_mm(8), from_mm(1)}));
-  const auto pieces = grid.split({{from_mm(-12), from_mm(1)}, {from_mm(12), from_mm(1)}});
-  REQUIRE(pieces.size() == 5);
-  for (std::size_t i = 0; i < pieces.size(); ++i) {
-    CHECK(pieces[i].inside == (i % 2 == 1));
-    if (i > 0) CHECK(pieces[i].points.front() == pieces[i - 1].points.back());
-  }
 }

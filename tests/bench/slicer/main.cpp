@@ -1,0 +1,241 @@
+#include "config/config.h"
+#include "engine/mesh/import.h"
+#include "engine/mesh/write.h"
+#include "engine/slice/layer_heights.h"
+#include "engine/slice/slice_mesh.h"
+#include "engine/toolpath/build.h"
+#include "tests/bench/slicer/child.h"
+#include "tests/bench/slicer/measure.h"
+#include "tests/bench/slicer/rival.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// Our slicer against PrusaSlicer: the same meshes as delivered, the same settings, both as programs of their
+/// own from file to file, both G-codes timed by our estimator.
+///   bench_slicer [--models DIR] [--only TEXT] [--profile SPEC] [--keep DIR] [--reuse]
+/// --keep: where models and G-code go, kept afterwards; --reuse: the rival's G-code and times found there
+/// are taken from its last run.
+namespace {
+
+namespace fs = std::filesystem;
+using namespace voidpath;
+
+/// A slicer that takes longer than this has lost, s.
+constexpr double kLimitS = 600;
+
+struct Options {
+  fs::path models;
+  std::string only;
+  std::string profile = "generic-marlin,pla,0.20mm";
+  fs::path keep;
+  bool reuse = false;
+};
+
+struct Run {
+  bench::Usage usage;
+  bench::Print print;
+};
+
+struct Row {
+  std::string name;
+  Run ours;
+  Run theirs;
+};
+
+class Bench {
+ public:
+  Bench(Options options, fs::path bin)
+      : options_(std::move(options)), bin_(std::move(bin)), profile_(config::load_profile(options_.profile)) {
+    fs::create_directories(options_.keep);
+    std::ofstream(options_.keep / "rival.ini") << bench::prusa_config(profile_.print);
+  }
+
+  std::optional<Row> run(const fs::path& model) {
+    Row row;
+    row.name = model.stem().string();
+    const fs::path base = options_.keep / row.name;
+    const fs::path stl = base.string() + ".stl";
+    slice::LayerStack stack;
+    try {
+      mesh::TriangleMesh mesh = mesh::turned(mesh::import_model(model).mesh, geom::Vec3(0, 0, 1));
+      const geom::Vec3 size = mesh::bounds(mesh).size();
+      const auto& m = profile_.print.machine;
+      if (size.x() > m.bed_mm[0] || size.y() > m.bed_mm[1] || size.z() > m.height_mm) return std::nullopt;
+      mesh::write_model(mesh, stl);
+      const auto& s = profile_.print.slice;
+      stack =
+          slice::slice_mesh(mesh, slice::equal_layers(size.z(), s.first_layer_height_mm, s.layer_height_mm));
+      toolpath::place_on_bed(stack, m);
+    } catch (const mesh::ImportError&) {
+      return std::nullopt;
+    }
+    row.ours = slice({(bin_ / "voidpath").string(), "slice", stl.string(), "-o",
+                      base.string() + ".ours.gcode", "--as-delivered", "--profile", options_.profile},
+                     base.string() + ".ours", stack, false);
+    row.theirs =
+        slice({"prusa-slicer", "--export-gcode", "--load", (options_.keep / "rival.ini").string(),
+               "--dont-arrange", "--center", centre(), "-o", base.string() + ".theirs.gcode", stl.string()},
+              base.string() + ".theirs", stack, options_.reuse);
+    return row;
+  }
+
+ private:
+  std::string centre() const {
+    const auto& m = profile_.print.machine;
+    if (m.origin_at_centre) return "0,0";
+    return std::to_string(m.bed_mm[0] / 2) + "," + std::to_string(m.bed_mm[1] / 2);
+  }
+
+  Run slice(const std::vector<std::string>& command, const std::string& base, const slice::LayerStack& stack,
+            bool reuse) const {
+    Run out;
+    const fs::path usage_file = base + ".usage";
+    if (reuse && fs::exists(usage_file)) {
+      std::ifstream in(usage_file);
+      in >> out.usage.ok >> out.usage.wall_s >> out.usage.cpu_s >> out.usage.peak_mb;
+    } else {
+      out.usage = bench::run_child(command, base + ".log", kLimitS);
+      std::ofstream(usage_file) << out.usage.ok << ' ' << out.usage.wall_s << ' ' << out.usage.cpu_s << ' '
+                                << out.usage.peak_mb << '\n';
+    }
+    if (out.usage.ok) out.print = bench::measure(base + ".gcode", stack, profile_.limits);
+    return out;
+  }
+
+  Options options_;
+  fs::path bin_;
+  config::Profile profile_;
+};
+
+double ratio(double ours, double theirs) { return theirs > 0 ? ours / theirs : ours > 0 ? 99 : 1; }
+
+/// Quotients ours : theirs of one model.
+struct Quotients {
+  double wall, cpu, memory, time, filament, travel, outside, retractions;
+};
+
+Quotients quotients(const Row& row) {
+  const auto &a = row.ours, &b = row.theirs;
+  return {ratio(a.usage.wall_s, b.usage.wall_s),
+          ratio(a.usage.cpu_s, b.usage.cpu_s),
+          ratio(a.usage.peak_mb, b.usage.peak_mb),
+          ratio(a.print.seconds, b.print.seconds),
+          ratio(a.print.filament_m, b.print.filament_m),
+          ratio(a.print.travel_m, b.print.travel_m),
+          ratio(a.print.travel_outside_m, b.print.travel_outside_m),
+          ratio(static_cast<double>(a.print.retractions), static_cast<double>(b.print.retractions))};
+}
+
+void print_line(const std::string& name, const Quotients& q, const std::string& note) {
+  std::printf("%-34.34s %6.3f %6.3f %6.2f %7.3f %7.3f %7.3f %7.3f %7.2f  %s\n", name.c_str(), q.wall, q.cpu,
+              q.memory, q.time, q.filament, q.travel, q.outside, q.retractions, note.c_str());
+}
+
+std::string absolutes(const Row& row) {
+  char text[160];
+  std::snprintf(text, sizeof text, "%6.2f %6.2f s | %7.0f %7.0f s | %6zu %6zu retr | %7zu %7zu moves",
+                row.ours.usage.wall_s, row.theirs.usage.wall_s, row.ours.print.seconds,
+                row.theirs.print.seconds, row.ours.print.retractions, row.theirs.print.retractions,
+                row.ours.print.moves, row.theirs.print.moves);
+  return text;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const std::size_t n = values.size();
+  return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
+}
+
+void summarise(const std::vector<Row>& rows) {
+  if (rows.empty()) return;
+  std::vector<Quotients> all;
+  double ours = 0, theirs = 0, print_ours = 0, print_theirs = 0;
+  for (const Row& row : rows) {
+    all.push_back(quotients(row));
+    ours += row.ours.usage.wall_s, theirs += row.theirs.usage.wall_s;
+    print_ours += row.ours.print.seconds, print_theirs += row.theirs.print.seconds;
+  }
+  auto of = [&](double Quotients::*member, bool worst) {
+    std::vector<double> values;
+    for (const auto& q : all) values.push_back(q.*member);
+    return worst ? *std::max_element(values.begin(), values.end()) : median(values);
+  };
+  for (const bool worst : {false, true})
+    print_line(worst ? "worst" : "median",
+               {of(&Quotients::wall, worst), of(&Quotients::cpu, worst), of(&Quotients::memory, worst),
+                of(&Quotients::time, worst), of(&Quotients::filament, worst), of(&Quotients::travel, worst),
+                of(&Quotients::outside, worst), of(&Quotients::retractions, worst)},
+               "");
+  std::printf(
+      "%zu models: slicing %.1f s against %.1f s (%.1f times as fast); printing %.1f h against %.1f h\n",
+      rows.size(), ours, theirs, theirs / ours, print_ours / 3600, print_theirs / 3600);
+}
+
+Options parse(int argc, char** argv) {
+  Options out;
+  const char* shared = std::getenv("VOIDPATH_SHARED");
+  if (shared != nullptr) out.models = fs::path(shared) / "models";
+  out.keep = fs::temp_directory_path() / "voidpath-bench-slicer";
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const bool has_value = i + 1 < argc;
+    if (word == "--reuse")
+      out.reuse = true;
+    else if (word == "--models" && has_value)
+      out.models = argv[++i];
+    else if (word == "--only" && has_value)
+      out.only = argv[++i];
+    else if (word == "--profile" && has_value)
+      out.profile = argv[++i];
+    else if (word == "--keep" && has_value)
+      out.keep = argv[++i];
+    else
+      throw std::invalid_argument(word + ": not understood");
+  }
+  return out;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  const Options options = parse(argc, argv);
+  if (options.models.empty() || !fs::is_directory(options.models)) {
+    std::fprintf(stderr, "no models: give --models DIR or set VOIDPATH_SHARED\n");
+    return 2;
+  }
+  std::vector<fs::path> models;
+  for (const auto& entry : fs::directory_iterator(options.models))
+    if (mesh::is_model_name(entry.path()) &&
+        entry.path().filename().string().find(options.only) != std::string::npos)
+      models.push_back(entry.path());
+  std::sort(models.begin(), models.end());
+
+  Bench bench(options, fs::canonical("/proc/self/exe").parent_path());
+  std::printf(
+      "ours : theirs                        wall    cpu memory    time filament travel outside  retr.\n");
+  std::vector<Row> rows;
+  for (const fs::path& model : models) {
+    const std::optional<Row> row = bench.run(model);
+    if (!row) continue;
+    if (!row->ours.usage.ok || !row->theirs.usage.ok) {
+      std::printf("%-34.34s %s\n", row->name.c_str(),
+                  row->ours.usage.ok ? "PrusaSlicer failed" : "ours failed");
+      continue;
+    }
+    print_line(row->name, quotients(*row), absolutes(*row));
+    std::fflush(stdout);
+    rows.push_back(*row);
+  }
+  summarise(rows);
+  return 0;
+} catch (const std::exception& e) {
+  std::fprintf(stderr, "bench_slicer: %s\n", e.what());
+  return 1;
+}
