@@ -51,7 +51,8 @@ std::string nearest(const std::string& word, const std::vector<std::string>& val
 
 double parse_number(const std::string& text) {
   double value = 0;
-  const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
+  const bool plus = text.starts_with('+') && !text.starts_with("+-");
+  const char* begin = text.data() + (plus ? 1 : 0);
   const auto [end, ec] = std::from_chars(begin, text.data() + text.size(), value);
   if (ec != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
     throw std::invalid_argument("'" + text + "' is not a number");
