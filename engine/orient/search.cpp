@@ -58,21 +58,19 @@ std::size_t find_as_delivered(const std::vector<Candidate>& candidates) {
   return static_cast<std::size_t>(it - candidates.begin());
 }
 
-[[noreturn]] void throw_nothing_fits(const Choice& choice, const mesh::TriangleMesh& mesh,
-                                     const PrintLimits& limits) {
+/// Whether it is only its stand that a candidate lacks.
+bool fits_volume(const Candidate& c) {
+  return c.why.rfind("too tall", 0) != 0 && c.why.rfind("too large", 0) != 0;
+}
+
+[[noreturn]] void throw_nothing_fits(const mesh::TriangleMesh& mesh, const PrintLimits& limits) {
   const Vec3 size = mesh::bounds(mesh).size();
-  const bool fits = std::any_of(choice.candidates.begin(), choice.candidates.end(), [](const Candidate& c) {
-    return c.why.rfind("too tall", 0) != 0 && c.why.rfind("too large", 0) != 0;
-  });
   const std::string part = "the part is " + number(size.x(), 1) + " × " + number(size.y(), 1) + " × " +
                            number(size.z(), 1) + " mm";
   const std::string room = number(limits.volume_mm[0], 1) + " × " + number(limits.volume_mm[1], 1) + " × " +
                            number(limits.volume_mm[2], 1) + " mm";
-  if (!fits)
-    throw NothingFits("no orientation fits the printer: " + part + ", the build volume is " + room +
-                      " with " + number(limits.bed_margin_mm, 1) + " mm kept free around the part");
-  throw NothingFits("the part cannot stand in any orientation that fits the printer: " + part +
-                    "; as delivered it is " + choice.candidates[choice.as_delivered].why);
+  throw NothingFits("no orientation fits the printer: " + part + ", the build volume is " + room +
+                    " with " + number(limits.bed_margin_mm, 1) + " mm kept free around the part");
 }
 
 /// "82 mm instead of 140 mm tall", or nothing where both print the same.
@@ -135,11 +133,15 @@ Choice search(const mesh::TriangleMesh& mesh, const SearchOptions& options, cons
   score(out.candidates, out.weights);
 
   const bool only_printable = options.method == Method::toolpath;
-  auto may_win = [&](const Candidate& c) { return c.printable || !only_printable; };
+  const bool some_stand =
+      std::any_of(out.candidates.begin(), out.candidates.end(), [](const Candidate& c) { return c.printable; });
+  auto may_win = [&](const Candidate& c) {
+    return !only_printable || c.printable || (!some_stand && fits_volume(c));
+  };
   double least = std::numeric_limits<double>::infinity();
   for (const Candidate& c : out.candidates)
     if (may_win(c)) least = std::min(least, c.score);
-  if (!std::isfinite(least)) throw_nothing_fits(out, mesh, options.limits);
+  if (!std::isfinite(least)) throw_nothing_fits(mesh, options.limits);
   for (std::size_t i = 0; i < out.candidates.size(); ++i)
     if (may_win(out.candidates[i]) && out.candidates[i].score <= least + options.tie_tolerance)
       out.ties.push_back(i);
@@ -151,6 +153,7 @@ Choice search(const mesh::TriangleMesh& mesh, const SearchOptions& options, cons
     return rank(a) < rank(b);
   });
   out.why = explain(out);
+  if (only_printable && !some_stand) out.why = "no orientation stands by itself, a brim has to hold the part: " + out.why;
   return out;
 }
 

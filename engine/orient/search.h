@@ -91,12 +91,12 @@ struct Choice {
 
 /// Evaluates every candidate and picks the best. For thesis and ahsan: the sampled directions and the six
 /// axes, nothing else, whether printable or not (Candidate::printable is still told). For toolpath: also
-/// the resting faces of the convex hull, and only printable candidates can win; when none is, throws
-/// NothingFits. The mesh must be sound (mesh::import_model). The same result on one thread or many.
+/// the resting faces of the convex hull, and only printable candidates can win. Where none stands by itself
+/// the best of those that fit the volume wins, unprintable as it says; where none fits, throws NothingFits. The mesh must be sound (mesh::import_model). The same result on one thread or many.
 /// Throws run::Stopped.
 Choice search(const mesh::TriangleMesh& mesh, const SearchOptions& options, const run::Context& ctx = {});
 
-/// No candidate can be printed; what() says why in a sentence (too large for the bed, nothing to stand on).
+/// No candidate fits the build volume; what() says so in a sentence with both sizes.
 class NothingFits : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

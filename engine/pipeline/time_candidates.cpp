@@ -125,6 +125,7 @@ void time_candidates(const mesh::TriangleMesh& mesh, const PrepareOptions& optio
                      const run::Context& ctx) {
   const double began = options.now_s ? options.now_s() : 0;
   const auto spent = [&] { return options.now_s ? options.now_s() - began : options.budget_s; };
+  if (!choice.candidates[choice.chosen].printable) return;  // nothing stands: nothing to compare
   choice.baselines = find_baselines(choice);
 
   std::vector<std::size_t> wave;
