@@ -2,14 +2,15 @@
 
 #include "engine/geom/polygon_ops.h"
 #include "engine/toolpath/bead.h"
+#include "engine/toolpath/fill_paths.h"
 #include "engine/toolpath/gap_fill.h"
 #include "engine/toolpath/hatch.h"
 #include "engine/toolpath/region_ops.h"
+#include "engine/toolpath/support_lines.h"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <numbers>
 
 namespace voidpath::toolpath {
 
@@ -17,10 +18,6 @@ namespace {
 
 using geom::from_mm;
 
-/// Density of support on the plate, where it must hold.
-constexpr double kFirstLayerSupportDensity = 0.5;
-/// Support lines are joined over gaps up to this, in their own spacings.
-constexpr double kSupportLinkSpacings = 1.6;
 /// Gap lines: beads stay within these widths, as shares of the line width; thinner is not printable,
 /// wider is met by the walls.
 constexpr double kMinGapWidth = 0.25;
@@ -29,29 +26,6 @@ constexpr double kMaxGapWidth = 2.0;
 constexpr double kGapWidthStep = 0.15;
 /// Gap lines shorter than this many widths are blobs.
 constexpr double kMinGapLength = 1.0;
-
-Path make_path(Role role, geom::Polyline points, bool closed, double width, double height, double area) {
-  Path path;
-  path.role = role;
-  path.points = std::move(points);
-  path.closed = closed;
-  path.width_mm = width;
-  path.height_mm = height;
-  path.area_mm2 = area;
-  return path;
-}
-
-/// Turns lines into beads that share out the area's volume.
-void add_fill(std::vector<Path>& out, Role role, FillLines&& fill, const BeadSize& bead,
-              double tolerance_mm) {
-  const double width = width_of_spacing_mm(fill.spacing_mm, bead.height_mm);
-  const double area = fill.spacing_mm * bead.height_mm;
-  for (auto& line : fill.lines) {
-    if (!fill.closed && line.size() > 2) line = geom::simplify(line, from_mm(tolerance_mm));
-    if (line.size() > 1)
-      out.push_back(make_path(role, std::move(line), fill.closed, width, bead.height_mm, area));
-  }
-}
 
 void add_bridge(std::vector<Path>& out, const BridgeArea& bridge, const BeadSize& bead,
                 const PrintSettings& settings) {
@@ -114,25 +88,6 @@ class Sharer {
   std::vector<geom::Box> boxes_;
 };
 
-void draft_support(std::vector<IslandDraft>& out, const SupportAreas& areas, std::size_t index,
-                   const BeadSize& bead, const SliceSettings& settings) {
-  const double spacing = bead.spacing_mm();
-  auto fill = [&](const geom::Regions& regions, double density, double angle, Role role) {
-    if (regions.empty() || density <= 0) return;
-    const double apart = spacing / std::min(density, 1.0);
-    for (const auto& domain : geom::offset(regions, -from_mm(0.5 * bead.width_mm))) {
-      Hatch h = hatch({domain}, {angle, apart, false, kSupportLinkSpacings * apart});
-      out.emplace_back();
-      add_fill(out.back().fills, role, {std::move(h.lines), false, spacing}, bead, settings.resolution_mm);
-      if (out.back().fills.empty()) out.pop_back();
-    }
-  };
-  const double density =
-      index == 0 ? std::max(settings.support_density, kFirstLayerSupportDensity) : settings.support_density;
-  fill(areas.sparse, density, 0.0, Role::support);
-  fill(areas.interface, kInterfaceDensity, std::numbers::pi / 2, Role::support_interface);
-}
-
 }  // namespace
 
 LayerWalls draft_walls(const slice::Layer& layer, std::size_t index, const SliceSettings& settings) {
@@ -178,7 +133,7 @@ LayerDraft draft_layer(const slice::Layer& layer, std::size_t index, LayerWalls&
   each(surfaces.top, [&](const geom::Region& domain, std::vector<Path>& fills) {
     add_fill(fills, Role::top_solid_infill, solid_fill(domain, angle, bead), bead, s.resolution_mm);
   });
-  draft_support(out.supports, support, index, bead, s);
+  out.supports = support_lines(support, index, bead, s);
   return out;
 }
 

@@ -21,6 +21,9 @@ constexpr double kMinSpacingShare = 0.8;
 constexpr double kMinGapShare = 0.2;
 /// Slack for the rounding of offsets, nm, so that an area exactly as wide as a bead keeps its bead.
 constexpr geom::Coord kOffsetSlack = 1000;
+/// What lies between the innermost beads and is narrower than this, in spacings, is filled by a line down
+/// its middle: lines across it would be short, and sparse ones would miss it.
+constexpr double kMaxGapSpacings = 1.8;
 /// Gap areas below this are noise of the offsetting, mm².
 constexpr double kMinGapAreaMm2 = 0.02;
 
@@ -87,7 +90,8 @@ Perimeters make_perimeters(const geom::Region& outline, int count, const BeadSiz
     area = geom::offset(centre, -from_mm(0.5 * spacing));
   }
   if (area.empty()) return out;
-  out.inner = geom::open(area, std::max<geom::Coord>(from_mm(0.5 * min_spacing) - kOffsetSlack, 0));
+  const double least = count > 0 ? kMaxGapSpacings * spacing : min_spacing;
+  out.inner = geom::open(area, std::max<geom::Coord>(from_mm(0.5 * least) - kOffsetSlack, 0));
   collect_gaps(out.gaps, area, out.inner, bead);
   return out;
 }

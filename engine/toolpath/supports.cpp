@@ -20,6 +20,8 @@ constexpr double kMaxBridgeMm = 12.0;
 /// Support reaches this far beyond the overhang it holds, so that a steep slope's narrow steps still get a
 /// column that can stand, mm.
 constexpr double kMarginMm = 0.8;
+/// Columns nearer to one another than twice this become one, which stands better, mm.
+constexpr double kMergeMm = 0.75;
 /// Overhang areas smaller than this within a layer are noise of slicing, mm².
 constexpr double kMinOverhangMm2 = 0.01;
 /// Columns smaller than this in section cannot stand, mm².
@@ -118,7 +120,8 @@ class Builder {
     for (std::size_t i = 0; i < n_; ++i)
       if (!contact_[i].empty()) append(by_layer[contact_layer(i)], std::move(contact_[i]));
     run::parallel_for(ctx_, n_, [&](std::size_t i) {
-      if (!by_layer[i].empty()) by_layer[i] = geom::unite(geom::rings_of(by_layer[i]));
+      if (!by_layer[i].empty())
+        by_layer[i] = geom::close(geom::unite(geom::rings_of(by_layer[i])), from_mm(kMergeMm));
     });
     contact_ = std::move(by_layer);
   }
