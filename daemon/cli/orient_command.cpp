@@ -1,17 +1,18 @@
-#include <chrono>
-#include <cmath>
-#include <cstdio>
-#include <fstream>
-#include <iostream>
-#include <limits>
-
-#include <nlohmann/json.hpp>
-
 #include "config/fields.h"
 #include "daemon/cli/choice_json.h"
 #include "daemon/cli/flags.h"
 #include "daemon/cli/offline.h"
 #include "engine/mesh/write.h"
+#include "engine/report/ranking.h"
+#include "engine/report/report.h"
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+
+#include <nlohmann/json.hpp>
 
 namespace voidpath::cli {
 
@@ -28,7 +29,8 @@ void write_candidates(const orient::Choice& choice, const std::string& file) {
   out << "dx,dy,dz,H_mm,V_mm3,C,D_mm,score,printable,predicted_s\n";
   for (const auto& c : choice.candidates) {
     for (int a = 0; a < 3; ++a) out << nine_digits(c.direction[a]) << ',';
-    for (const double v : {c.criteria.height_mm, c.criteria.trapped_mm3, c.criteria.contours, c.criteria.void_mm, c.score})
+    for (const double v :
+         {c.criteria.height_mm, c.criteria.trapped_mm3, c.criteria.contours, c.criteria.void_mm, c.score})
       out << config::number_text(v) << ',';
     out << (c.printable ? 1 : 0) << ',' << (c.predicted_s ? config::number_text(*c.predicted_s) : "") << '\n';
   }
@@ -38,49 +40,29 @@ void write_candidates(const orient::Choice& choice, const std::string& file) {
 
 void print_row(const char* name, const orient::Candidate& c) {
   const auto& k = c.criteria;
-  std::printf("  %-14s %8.2f mm %12.0f mm3 %8.2f %9.2f mm %9.4f %14s  (%+.4f, %+.4f, %+.4f)%s\n", name, k.height_mm,
-              k.trapped_mm3, k.contours, k.void_mm, c.score,
+  std::printf("  %-14s %8.2f mm %12.0f mm3 %8.2f %9.2f mm %9.4f %14s  (%+.4f, %+.4f, %+.4f)%s\n", name,
+              k.height_mm, k.trapped_mm3, k.contours, k.void_mm, c.score,
               c.predicted_s ? duration_text(*c.predicted_s).c_str() : "", c.direction.x(), c.direction.y(),
               c.direction.z(), c.printable ? "" : ("  " + c.why).c_str());
 }
 
-/// The best candidates that point somewhere else than the ones named already.
-std::vector<std::size_t> runners_up(const orient::Choice& choice, std::size_t count) {
-  constexpr double kOtherKind_cos = 0.9;  // some 26° apart
-  std::vector<std::size_t> order(choice.candidates.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  // Timed ones first, by their time; the others by their score.
-  const auto rank = [&](std::size_t i) {
-    const auto& c = choice.candidates[i];
-    return std::pair(c.predicted_s.value_or(std::numeric_limits<double>::infinity()), c.score);
-  };
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
-  std::vector<std::size_t> named = {choice.chosen, choice.as_delivered};
-  std::vector<std::size_t> out;
-  for (const std::size_t i : order) {
-    if (out.size() == count) break;
-    const auto& c = choice.candidates[i];
-    if (choice.method == orient::Method::toolpath && !c.printable) continue;
-    bool other = true;
-    for (const std::size_t n : named)
-      other = other && choice.candidates[n].direction.dot(c.direction) < kOtherKind_cos;
-    if (!other) continue;
-    named.push_back(i);
-    out.push_back(i);
-  }
-  return out;
+void write_text(const std::string& text, const std::string& file) {
+  std::ofstream out(file, std::ios::trunc | std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) throw std::runtime_error(file + ": cannot be written");
 }
 
 void print_table(const mesh::Import& model, const orient::Choice& choice, double elapsed_s) {
   const auto& size = model.delivered.size_mm;
-  std::printf("%zu triangles, %.1f x %.1f x %.1f mm; %zu directions in %.2f s (%s)\n", model.delivered.triangles,
-              size.x(), size.y(), size.z(), choice.candidates.size(), elapsed_s,
+  std::printf("%zu triangles, %.1f x %.1f x %.1f mm; %zu directions in %.2f s (%s)\n",
+              model.delivered.triangles, size.x(), size.y(), size.z(), choice.candidates.size(), elapsed_s,
               orient::to_string(choice.method).c_str());
-  std::printf("  %-14s %11s %16s %8s %12s %9s %14s  %s\n", "", "height", "trapped", "contours", "void dist.", "score",
-              "predicted", "direction that points up");
+  std::printf("  %-14s %11s %16s %8s %12s %9s %14s  %s\n", "", "height", "trapped", "contours", "void dist.",
+              "score", "predicted", "direction that points up");
   print_row("as delivered", choice.candidates[choice.as_delivered]);
   print_row("chosen", choice.candidates[choice.chosen]);
-  for (const std::size_t i : runners_up(choice, 3)) print_row("runner-up", choice.candidates[i]);
+  for (const std::size_t i : report::runners_up(choice, 3)) print_row("runner-up", choice.candidates[i]);
   for (const auto& [name, i] : choice.baselines)
     if (i != choice.chosen && i != choice.as_delivered) print_row(name.c_str(), choice.candidates[i]);
   if (choice.ties.size() > 1) std::printf("  %zu directions tie with the chosen one\n", choice.ties.size());
@@ -93,12 +75,13 @@ int orient_command(const std::vector<std::string>& args) {
   CLI::App app("Chooses the orientation a part is printed in", "orient");
   CommonFlags common;
   OrientFlags orient;
-  std::string model, candidates, out;
+  std::string model, candidates, out, page;
   app.add_option("model", model, "STL, OBJ or 3MF")->required();
   add_common(app, common);
   add_orient(app, orient);
   app.add_option("--candidates", candidates, "writes every direction to this CSV file");
   app.add_option("--out", out, "writes the turned mesh, .obj or .stl");
+  app.add_option("--report", page, "writes a page with pictures of the choice to this HTML file");
   if (!parse(app, args)) return 0;
 
   const Settings s = settings_from(common, orient);
@@ -107,10 +90,17 @@ int orient_command(const std::vector<std::string>& args) {
   const auto begin = std::chrono::steady_clock::now();
   const orient::Choice choice = pipeline::choose(import.mesh, s.options, ctx);
   const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  if (!page.empty()) {
+    const std::string name = std::filesystem::path(model).filename().string();
+    write_text(report::orientation_page(import, name, choice, s.options.orient,
+                                        s.options.print.slice.support_angle_deg, ctx),
+               page);
+  }
   end_progress();
 
   if (!candidates.empty()) write_candidates(choice, candidates);
-  if (!out.empty()) mesh::write_model(mesh::turned(import.mesh, choice.candidates[choice.chosen].direction), out);
+  if (!out.empty())
+    mesh::write_model(mesh::turned(import.mesh, choice.candidates[choice.chosen].direction), out);
   if (common.json)
     std::cout << orient_json(import, model, choice, elapsed).dump(2) << '\n';
   else

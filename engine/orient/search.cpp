@@ -90,7 +90,7 @@ std::string explain(const Choice& choice) {
   if (choice.chosen == choice.as_delivered)
     return choice.ties.size() > 1 ? "as delivered is as good as any other" : "as delivered is the best";
   std::vector<std::string> reasons;
-  if (!d.printable) reasons.push_back("as delivered it is " + d.why);
+  if (!d.printable) reasons.push_back("cannot be printed as delivered (" + d.why + ")");
   const double now = c.criteria.trapped_mm3;
   const double before = d.criteria.trapped_mm3;
   reasons.push_back(compare(c.criteria.height_mm, d.criteria.height_mm, 1, " mm", "tall"));
