@@ -186,8 +186,10 @@ std::string orientation_page(const mesh::Import& model, const std::string& file,
   std::string out =
       head(file) + "<body>\n<main>\n<h1>" + escaped(file) + "</h1>\n<p class=\"verdict\">" + verdict(choice) +
       "</p>\n<p class=\"because\">" +
-      escaped(capital(turned && choice.candidates[choice.as_delivered].predicted_s ? orient::explain(choice)
-                                                                                   : choice.why)) +
+      escaped(capital(turned && views.front().candidate.predicted_s && views.back().candidate.predicted_s &&
+                              views.front().candidate.printable
+                          ? orient::explain(choice)
+                          : choice.why)) +
       ".</p>\n";
   out += tiles(choice) + pictures(views, overhang_deg) + charts(views) + sphere(choice, named) +
          ranking_section(choice, named) + footer(model, choice, options) + "</main>\n</body>\n</html>\n";

@@ -80,7 +80,7 @@ std::string verdict(const Choice& choice) {
   const Candidate& d = delivered(choice);
   if (!is_turned(choice)) return "Print it as delivered";
   const std::string turn = "Turn it " + turn_text(c.direction).substr(std::string("turned ").size());
-  if (!c.printable) return turn + ": best by score, but it cannot be printed so";
+  if (!c.printable) return escaped(turn + ": best by score, but " + c.why);
   if (c.predicted_s && d.predicted_s && *d.predicted_s > *c.predicted_s)
     return turn + ": " + duration(*c.predicted_s) + " instead of " + duration(*d.predicted_s);
   if (c.predicted_s) return turn + ": it prints in " + duration(*c.predicted_s);
