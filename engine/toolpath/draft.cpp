@@ -133,7 +133,7 @@ LayerDraft draft_layer(const slice::Layer& layer, std::size_t index, LayerWalls&
   each(surfaces.top, [&](const geom::Region& domain, std::vector<Path>& fills) {
     add_fill(fills, Role::top_solid_infill, solid_fill(domain, angle, bead), bead, s.resolution_mm);
   });
-  out.supports = support_lines(support, index, bead, s);
+  out.support = support_lines(support, index, bead, s);
   return out;
 }
 

@@ -15,16 +15,16 @@
 /// here, so they are drafted in parallel.
 namespace voidpath::toolpath {
 
-/// One connected area of the part or of its support: printed in one go before the nozzle moves on.
+/// One connected area of the part: printed in one go before the nozzle moves on.
 struct IslandDraft {
   std::vector<Wall> walls;
   std::vector<Path> fills;  ///< may be printed from either end, in any order
 };
 
 struct LayerDraft {
-  std::vector<Path> around;  ///< skirt and brim, in order
+  std::vector<Path> around;   ///< skirt and brim, in order
+  std::vector<Path> support;  ///< in any order, from either end
   std::vector<IslandDraft> islands;
-  std::vector<IslandDraft> supports;
 };
 
 /// The walls of one layer's islands.

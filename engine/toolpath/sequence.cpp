@@ -6,9 +6,7 @@
 #include "engine/toolpath/region_ops.h"
 
 #include <algorithm>
-#include <iterator>
 #include <limits>
-#include <optional>
 
 namespace voidpath::toolpath {
 
@@ -25,11 +23,6 @@ const Point& end_of(const Path& path) { return path.closed ? path.points.front()
 
 Point middle(const geom::Box& box) { return {(box.min.x + box.max.x) / 2, (box.min.y + box.max.y) / 2}; }
 
-geom::Box united(const geom::Box& a, const geom::Box& b) {
-  return {{std::min(a.min.x, b.min.x), std::min(a.min.y, b.min.y)},
-          {std::max(a.max.x, b.max.x), std::max(a.max.y, b.max.y)}};
-}
-
 Stop stop_of(const Path& path) {
   if (path.closed) return {path.points.front(), path.points.front(), false};
   return {path.points.front(), path.points.back(), true};
@@ -37,14 +30,12 @@ Stop stop_of(const Path& path) {
 
 /// Where an island is, for the order of islands.
 Stop stop_of(const IslandDraft& island) {
-  std::optional<geom::Box> box;
+  Point p{};
   if (!island.walls.empty()) {
-    box = geom::bounds(island.walls.front().front().ring);
-  } else {
-    for (const Path& fill : island.fills)
-      if (const auto more = geom::bounds(fill.points)) box = box ? united(*box, *more) : *more;
+    if (const auto box = geom::bounds(island.walls.front().front().ring)) p = middle(*box);
+  } else if (!island.fills.empty()) {
+    p = island.fills.front().points.front();
   }
-  const Point p = box ? middle(*box) : Point{};
   return {p, p, true};
 }
 
@@ -75,6 +66,12 @@ void Sequencer::print(Path&& path) {
   out_.push_back(std::move(path));
 }
 
+void Sequencer::print_fill(Path&& path, bool reversed) {
+  if (reversed) std::reverse(path.points.begin(), path.points.end());
+  if (path.closed) path.points = start_at(path.points, nearest_vertex(path.points, at_));
+  print(std::move(path));
+}
+
 void Sequencer::print_any(std::vector<Path>&& paths) {
   std::vector<Stop> stops;
   stops.reserve(paths.size());
@@ -82,12 +79,7 @@ void Sequencer::print_any(std::vector<Path>&& paths) {
     if (p.closed) p.points = start_at(p.points, nearest_vertex(p.points, at_));
     stops.push_back(stop_of(p));
   }
-  for (const Visit& v : order_stops(stops, at_)) {
-    Path& path = paths[v.index];
-    if (v.reversed) std::reverse(path.points.begin(), path.points.end());
-    if (path.closed) path.points = start_at(path.points, nearest_vertex(path.points, at_));
-    print(std::move(path));
-  }
+  for (const Visit& v : order_stops(stops, at_)) print_fill(std::move(paths[v.index]), v.reversed);
 }
 
 void Sequencer::print_wall(Wall&& wall, const BeadSize& bead) {
@@ -134,11 +126,16 @@ std::vector<Path> Sequencer::order(LayerDraft&& draft, const BeadSize& bead) {
     p.points = start_at(p.points, nearest_vertex(p.points, at_));
     print(std::move(p));
   }
-  draft.islands.insert(draft.islands.end(), std::make_move_iterator(draft.supports.begin()),
-                       std::make_move_iterator(draft.supports.end()));
   std::vector<Stop> stops;
   for (const auto& island : draft.islands) stops.push_back(stop_of(island));
-  for (const Visit& v : order_stops(stops, at_)) print_island(std::move(draft.islands[v.index]), bead);
+  for (Path& p : draft.support) stops.push_back(stop_of(p));
+  const std::size_t islands = draft.islands.size();
+  for (const Visit& v : order_stops(stops, at_)) {
+    if (v.index < islands)
+      print_island(std::move(draft.islands[v.index]), bead);
+    else
+      print_fill(std::move(draft.support[v.index - islands]), v.reversed);
+  }
   return std::move(out_);
 }
 

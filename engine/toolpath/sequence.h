@@ -19,6 +19,7 @@ class Sequencer {
 
  private:
   void print(Path&& path);
+  void print_fill(Path&& path, bool reversed);
   void print_any(std::vector<Path>&& paths);
   void print_island(IslandDraft&& island, const BeadSize& bead);
   void print_wall(Wall&& wall, const BeadSize& bead);

@@ -47,23 +47,21 @@ Regions narrow_parts(const geom::Region& area, double apart_mm, double line_mm) 
 
 }  // namespace
 
-std::vector<IslandDraft> support_lines(const SupportAreas& areas, std::size_t layer, const BeadSize& bead,
-                                       const SliceSettings& settings) {
-  std::vector<IslandDraft> out;
+std::vector<Path> support_lines(const SupportAreas& areas, std::size_t layer, const BeadSize& bead,
+                                const SliceSettings& settings) {
+  std::vector<Path> out;
   const double spacing = bead.spacing_mm();
   auto fill = [&](const Regions& regions, double density, double angle, Role role) {
     if (regions.empty() || density <= 0) return;
     const double apart = spacing / std::min(density, 1.0);
     const bool sparse = apart > 2 * spacing;
     for (const auto& domain : geom::offset(regions, -from_mm(0.5 * bead.width_mm))) {
-      IslandDraft island;
       const Regions narrow = sparse ? narrow_parts(domain, apart, spacing) : Regions{};
-      for (const auto& part : narrow) add_border(island.fills, part, bead, settings.resolution_mm);
+      for (const auto& part : narrow) add_border(out, part, bead, settings.resolution_mm);
       if (narrow.size() != 1 || narrow.front() != domain) {
         Hatch h = hatch({domain}, {angle, apart, false, kLinkSpacings * apart});
-        add_fill(island.fills, role, {std::move(h.lines), false, spacing}, bead, settings.resolution_mm);
+        add_fill(out, role, {std::move(h.lines), false, spacing}, bead, settings.resolution_mm);
       }
-      if (!island.fills.empty()) out.push_back(std::move(island));
     }
   };
   const double density =
