@@ -52,12 +52,15 @@ class Skeleton {
 
   std::vector<CentreLine> lines() {
     prune();
+    // As few lines as can be (Euler): each begins and ends at an end or a meeting of an odd number, and goes
+    // straight on through the meetings between.
     std::vector<CentreLine> out;
-    for (std::uint32_t n = 0; n < nodes_.size(); ++n)  // open lines first, from their ends and meetings
-      if (nodes_[n].links.size() != 2)
-        while (!nodes_[n].links.empty()) out.push_back(trace(n));
     for (std::uint32_t n = 0; n < nodes_.size(); ++n)
-      if (!nodes_[n].links.empty()) out.push_back(trace(n));
+      if (nodes_[n].links.size() == 1) out.push_back(trace(n));
+    for (std::uint32_t n = 0; n < nodes_.size(); ++n)
+      if (nodes_[n].links.size() % 2 == 1) out.push_back(trace(n));
+    for (std::uint32_t n = 0; n < nodes_.size(); ++n)
+      while (!nodes_[n].links.empty()) out.push_back(trace(n));
     return out;
   }
 
@@ -155,7 +158,24 @@ class Skeleton {
       for (std::size_t k = 0; k + 1 < branch.size(); ++k) unlink(branch[k], branch[k + 1]);
   }
 
-  /// Follows a line from a node to the next end or meeting, and takes it out of the graph.
+  /// The link that leads most nearly straight on; any of them at a line's beginning.
+  std::uint32_t straight_on(std::uint32_t before, std::uint32_t at) const {
+    const auto& links = nodes_[at].links;
+    if (before == at || links.size() == 1) return links.front();
+    const Point &p = nodes_[before].p, &q = nodes_[at].p;
+    double best = -2;
+    std::uint32_t pick = links.front();
+    for (const std::uint32_t next : links) {
+      const Point& r = nodes_[next].p;
+      const auto ux = static_cast<double>(q.x - p.x), uy = static_cast<double>(q.y - p.y);
+      const auto vx = static_cast<double>(r.x - q.x), vy = static_cast<double>(r.y - q.y);
+      const double cosine = (ux * vx + uy * vy) / std::max(std::hypot(ux, uy) * std::hypot(vx, vy), 1.0);
+      if (cosine > best) best = cosine, pick = next;
+    }
+    return pick;
+  }
+
+  /// Follows a line from a node as far as there is one, and takes it out of the graph.
   CentreLine trace(std::uint32_t start) {
     CentreLine out;
     auto put = [&](std::uint32_t n) {
@@ -163,15 +183,15 @@ class Skeleton {
       out.width_mm.push_back(nodes_[n].width_mm);
     };
     put(start);
+    std::uint32_t before = start;
     std::uint32_t at = start;
-    do {
-      const std::uint32_t next = nodes_[at].links.front();
-      const bool passes = nodes_[next].links.size() == 2;
+    while (!nodes_[at].links.empty()) {
+      const std::uint32_t next = straight_on(before, at);
       unlink(at, next);
       put(next);
+      before = at;
       at = next;
-      if (!passes) break;
-    } while (at != start && !nodes_[at].links.empty());
+    }
     out.closed = at == start && out.points.size() > 3;
     return out;
   }
