@@ -20,8 +20,12 @@ using geom::Regions;
 constexpr double kFirstLayerDensity = 0.5;
 /// Lines are joined over gaps up to this, in their own spacings.
 constexpr double kLinkSpacings = 1.6;
-/// Remainders of columns smaller than this need no line of their own, mm².
-constexpr double kMinRestMm2 = 0.5;
+/// Remainders of wide columns smaller than this need no line of their own, mm²: the rest carries them.
+constexpr double kMinRestMm2 = 4.0;
+/// An area that is narrow by more than this share needs no lines across.
+constexpr double kAllNarrow = 0.9;
+/// Borders of columns may be this much plainer than the column, mm.
+constexpr double kBorderToleranceMm = 0.1;
 
 /// Lines along the border of an area too narrow for lines across; one down its middle where two have no
 /// room side by side.
@@ -39,10 +43,15 @@ void add_border(std::vector<Path>& out, const geom::Region& area, const BeadSize
 
 /// The parts of an area that lines this far apart may miss.
 Regions narrow_parts(const geom::Region& area, double apart_mm, double line_mm) {
-  const Regions wide = geom::open({area}, from_mm(0.5 * apart_mm));
-  if (wide.empty()) return {area};
-  const Regions rest = geom::open(geom::subtract({area}, wide), from_mm(0.25 * line_mm));
-  return geom::remove_small(rest, kMinRestMm2 * geom::kNmPerMm * geom::kNmPerMm);
+  constexpr double kMm2 = geom::kNmPerMm * geom::kNmPerMm;
+  const geom::Coord half = from_mm(0.5 * apart_mm);
+  const Regions plain = geom::simplify({area}, from_mm(kBorderToleranceMm));
+  const Regions core = geom::offset(plain, -half);
+  if (core.empty()) return plain;
+  const Regions wide = geom::offset(core, half);
+  if (geom::area(plain) - geom::area(wide) < kMinRestMm2 * kMm2) return {};
+  return geom::remove_small(geom::open(geom::subtract(plain, wide), from_mm(0.5 * line_mm)),
+                            kMinRestMm2 * kMm2);
 }
 
 }  // namespace
@@ -58,10 +67,10 @@ std::vector<Path> support_lines(const SupportAreas& areas, std::size_t layer, co
     for (const auto& domain : geom::offset(regions, -from_mm(0.5 * bead.width_mm))) {
       const Regions narrow = sparse ? narrow_parts(domain, apart, spacing) : Regions{};
       for (const auto& part : narrow) add_border(out, part, bead, settings.resolution_mm);
-      if (narrow.size() != 1 || narrow.front() != domain) {
-        Hatch h = hatch({domain}, {angle, apart, false, kLinkSpacings * apart});
-        add_fill(out, role, {std::move(h.lines), false, spacing}, bead, settings.resolution_mm);
-      }
+      const double bordered = geom::area(narrow);
+      if (bordered > kAllNarrow * geom::area(domain)) continue;
+      Hatch h = hatch({domain}, {angle, apart, false, kLinkSpacings * apart});
+      add_fill(out, role, {std::move(h.lines), false, spacing}, bead, settings.resolution_mm);
     }
   };
   const double density =
