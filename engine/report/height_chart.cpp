@@ -26,20 +26,21 @@ struct Axis {
   double step;
   int decimals;
 };
-Axis axis_for(double most, int count) {
+Axis axis_for(double most, int count, bool whole = false) {
   if (!(most > 0)) return {1, 1, 0};
-  const double step = round_step(most, count);
+  const double step = std::max(round_step(most, count), whole ? 1.0 : 0.0);
   const int decimals = step >= 1 ? 0 : static_cast<int>(std::ceil(-std::log10(step) - 1e-9));
   return {most, step, decimals};
 }
 
 }  // namespace
 
-std::string height_chart(const std::string& title, const std::vector<Curve>& curves, double height_mm) {
+std::string height_chart(const std::string& title, const std::vector<Curve>& curves, double height_mm,
+                         bool whole) {
   double most = 0;
   for (const Curve& c : curves)
     for (const Step& s : c.steps) most = std::max(most, s.value);
-  const Axis across = axis_for(1.04 * most, 5);
+  const Axis across = axis_for(1.04 * most, 5, whole);
   const Axis up = axis_for(height_mm, 6);
   const auto x = [&](double v) { return kLeft + kPlotWidth * v / across.most; };
   const auto y = [&](double h) { return kTop + kPlotHeight * (1 - h / up.most); };

@@ -17,7 +17,9 @@ struct Curve {
 };
 
 /// SVG: step curves over the height, which runs upwards as the part stands. `title` says what the values are
-/// and in what unit. `height_mm` is the tallest to be shown; the first curve lies on top.
-std::string height_chart(const std::string& title, const std::vector<Curve>& curves, double height_mm);
+/// and in what unit. `height_mm` is the tallest to be shown; the first curve lies on top. `whole`: values are
+/// whole numbers.
+std::string height_chart(const std::string& title, const std::vector<Curve>& curves, double height_mm,
+                         bool whole = false);
 
 }  // namespace voidpath::report

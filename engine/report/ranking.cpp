@@ -16,6 +16,9 @@ std::pair<double, double> rank(const orient::Candidate& c) {
   return {c.predicted_s.value_or(std::numeric_limits<double>::infinity()), c.score};
 }
 
+/// The others say where a direction points: as delivered says that already.
+bool is_method(const std::string& baseline) { return baseline == "thesis" || baseline == "ahsan"; }
+
 /// What the search calls its baselines, for people.
 std::string spoken(const std::string& baseline) {
   if (baseline == "thesis") return "best by four criteria";
@@ -61,7 +64,7 @@ std::vector<Named> ranking(const orient::Choice& choice) {
   add(choice.as_delivered, "as delivered");
   const auto first_other = static_cast<std::ptrdiff_t>(out.size());
   for (const auto& [name, i] : choice.baselines)
-    if (name != "as-delivered") add(i, spoken(name));
+    if (i != choice.as_delivered || is_method(name)) add(i, spoken(name));
   for (const std::size_t i : runners_up(choice, kRunnersUp)) {
     const bool known = std::any_of(out.begin(), out.end(), [i](const Named& n) { return n.candidate == i; });
     if (!known) add(i, "runner-up");

@@ -99,9 +99,10 @@ std::string charts(const std::vector<Shown>& views) {
       "upwards. Every region is one more place to travel to; the distance between them is how far; empty "
       "space under "
       "material is what support may have to fill. Narrow and low is quick.</p>\n<div class=\"thirds\">\n";
-  out += "<figure>" +
-         height_chart("regions in the slice", curves_of(views, &orient::SlabMeasure::contours), height) +
-         "</figure>\n";
+  out +=
+      "<figure>" +
+      height_chart("regions in the slice", curves_of(views, &orient::SlabMeasure::contours), height, true) +
+      "</figure>\n";
   out += "<figure>" +
          height_chart("mean distance between regions, mm", curves_of(views, &orient::SlabMeasure::void_mm),
                       height) +
@@ -123,11 +124,11 @@ std::string sphere(const Choice& choice, const std::vector<Named>& named) {
       "look up: " +
       std::to_string(choice.candidates.size()) + " were measured, " + std::to_string(printable) +
       " can be printed. Equal areas here are equal areas of the sphere around the part as delivered, seen "
-      "from above. "
-      "Point at a dot for its numbers.</p>\n<div class=\"pair\">\n" +
+      "from above." +
+      (marks_have_texts(choice) ? " Point at a dot for its numbers." : "") + "</p>\n<div class=\"pair\">\n" +
       sphere_map(choice, named) + "</div>\n<ul class=\"legend\"><li style=\"width:320px;max-width:100%\">" +
       colour_bar(choice) +
-      "</li><li>ringed dot: can be printed</li><li>small dot: would not fit, stand or stay put</li>";
+      "</li><li>large dot: can be printed</li><li>small dot: would not fit, stand or stay put</li>";
   out += "<li><span class=\"mark chosen\">★</span> chosen</li>";
   if (choice.chosen != choice.as_delivered)
     out += "<li><span class=\"mark delivered\">D</span> as delivered</li>";

@@ -112,7 +112,7 @@ std::string marks_only(const orient::Choice& choice, bool up, bool printable) {
 
 /// Marks of one hemisphere; what can be printed lies on top.
 std::string marks(const orient::Choice& choice, bool up) {
-  const auto draw = choice.candidates.size() <= kTexts ? marks_with_text : marks_only;
+  const auto draw = marks_have_texts(choice) ? marks_with_text : marks_only;
   return draw(choice, up, false) + draw(choice, up, true);
 }
 
@@ -184,6 +184,8 @@ std::string sphere_map(const orient::Choice& choice, const std::vector<Named>& n
   }
   return out;
 }
+
+bool marks_have_texts(const orient::Choice& choice) { return choice.candidates.size() <= kTexts; }
 
 std::string colour_bar(const orient::Choice& choice) {
   const Scale scale = scale_of(choice);

@@ -13,6 +13,9 @@ namespace voidpath::report {
 /// the named ones marked.
 std::string sphere_map(const orient::Choice& choice, const std::vector<Named>& named);
 
+/// Whether the marks carry their numbers, to be read by pointing at them.
+bool marks_have_texts(const orient::Choice& choice);
+
 /// SVG: the map's colours and what they stand for.
 std::string colour_bar(const orient::Choice& choice);
 

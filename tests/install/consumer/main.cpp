@@ -1,7 +1,7 @@
-#include <iostream>
-
 #include "engine/gcode/estimate.h"
 #include "engine/pipeline/prepare.h"
+
+#include <iostream>
 
 // consumer MODEL OUT.gcode: which way up, sliced, and how long it takes.
 int main(int argc, char** argv) {
