@@ -11,13 +11,14 @@ set(allow_engine/toolpath "${allow_engine/slice};engine/slice;engine/motion;engi
 set(allow_engine/calibrate "engine/run;engine/motion")
 set(allow_engine/pipeline "${allow_engine/toolpath};engine/toolpath;engine/orient")
 set(allow_engine/report "${allow_engine/pipeline};engine/pipeline")
+set(allow_engine/evaluate "${allow_engine/pipeline};engine/pipeline")
 set(allow_firmware-io "")
 set(allow_config "engine")
 set(allow_daemon "engine;firmware-io;config")
 set(allow_tests/mock_printer "")
 
 set(rooms engine/run engine/geom engine/mesh engine/slice engine/orient engine/motion engine/gcode engine/toolpath
-    engine/calibrate engine/pipeline engine/report firmware-io config daemon tests/mock_printer)
+    engine/calibrate engine/pipeline engine/report engine/evaluate firmware-io config daemon tests/mock_printer)
 set(bad "")
 set(edges 0)
 foreach(room IN LISTS rooms)

@@ -5,6 +5,7 @@
 #include "engine/pipeline/prepare.h"
 
 #include <cerrno>
+#include <chrono>
 #include <fstream>
 #include <system_error>
 
@@ -95,6 +96,10 @@ void prepare_model(const PrepareTask& task, const config::JobOverrides& override
     }
     options.orient.method = *method;
   }
+  options.budget_s = task.orient.budget_s;
+  options.now_s = [] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  };
   options.print = profile.print;
   options.limits = profile.limits;
   const auto prepared = pipeline::prepare(task.input, task.gcode_out, options, true, ctx);

@@ -1,9 +1,9 @@
 #include "engine/pipeline/prepare.h"
 
-#include <algorithm>
-
 #include "engine/pipeline/slice_part.h"
 #include "engine/pipeline/time_candidates.h"
+
+#include <algorithm>
 
 namespace voidpath::pipeline {
 
@@ -21,8 +21,8 @@ PrepareOptions with_hold(const PrepareOptions& options, const orient::Candidate&
   return out;
 }
 
-orient::Choice forced(const mesh::TriangleMesh& mesh, const geom::Vec3& direction, const PrepareOptions& options,
-                      const run::Context& ctx) {
+orient::Choice forced(const mesh::TriangleMesh& mesh, const geom::Vec3& direction,
+                      const PrepareOptions& options, const run::Context& ctx) {
   orient::Choice choice;
   const std::vector<geom::Vec3> directions = {geom::Vec3::UnitZ(), direction.normalized()};
   const auto criteria = orient::evaluate(mesh, directions, options.orient, ctx);
@@ -44,15 +44,20 @@ orient::Choice forced(const mesh::TriangleMesh& mesh, const geom::Vec3& directio
 
 }  // namespace
 
-orient::Choice choose(const mesh::TriangleMesh& mesh, const PrepareOptions& options, const run::Context& ctx) {
+orient::Choice choose(const mesh::TriangleMesh& mesh, const PrepareOptions& options,
+                      const run::Context& ctx) {
   if (options.direction) return forced(mesh, *options.direction, options, ctx);
+  const double began = options.now_s ? options.now_s() : 0;
   orient::Choice choice = orient::search(mesh, options.orient, ctx);
-  if (options.orient.method == orient::Method::toolpath) time_candidates(mesh, options, choice, ctx);
+  if (options.orient.method != orient::Method::toolpath) return choice;
+  PrepareOptions rest = options;
+  if (options.now_s) rest.budget_s -= options.now_s() - began;
+  time_candidates(mesh, rest, choice, ctx);
   return choice;
 }
 
-Prepared prepare(const fs::path& model, const fs::path& gcode_out, const PrepareOptions& options, bool compare,
-                 const run::Context& ctx) {
+Prepared prepare(const fs::path& model, const fs::path& gcode_out, const PrepareOptions& options,
+                 bool compare, const run::Context& ctx) {
   Prepared p;
   ctx.progress("import", 0.0);
   p.model = mesh::import_model(model, options.import, ctx);
@@ -69,7 +74,9 @@ Prepared prepare(const fs::path& model, const fs::path& gcode_out, const Prepare
   if (!compare || p.choice.as_delivered == p.choice.chosen) return p;
   try {
     const fs::path scratch = gcode_out.string() + ".as-delivered";
-    p.as_delivered = slice_part_to(p.model.mesh, delivered.direction, with_hold(options, delivered), scratch, ctx).estimate;
+    p.as_delivered =
+        slice_part_to(p.model.mesh, delivered.direction, with_hold(options, delivered), scratch, ctx)
+            .estimate;
     std::error_code ec;
     fs::remove(scratch, ec);
     delivered.predicted_s = p.as_delivered->predicted_s;

@@ -1,10 +1,5 @@
 #pragma once
 
-#include <filesystem>
-#include <functional>
-#include <optional>
-#include <string>
-
 #include "engine/gcode/estimate.h"
 #include "engine/mesh/import.h"
 #include "engine/motion/limits.h"
@@ -12,6 +7,11 @@
 #include "engine/run/context.h"
 #include "engine/toolpath/emit.h"
 #include "engine/toolpath/settings.h"
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
 
 /// The one front door from a model file to something a printer can run.
 namespace voidpath::pipeline {
@@ -23,10 +23,13 @@ struct PrepareOptions {
   std::optional<geom::Vec3> direction;
   toolpath::PrintSettings print;
   motion::MachineLimits limits;
-  /// Seconds that timing candidates may take (Method::toolpath), by this clock. Without a clock only the
-  /// baselines are timed.
+  /// Seconds that the choice may take (Method::toolpath), by this clock; the baselines are timed whatever it
+  /// says. Any thread calls it. Without a clock and without max_extra only the baselines are timed.
   double budget_s = 20;
   std::function<double()> now_s;
+  /// How many candidates may be timed beyond the baselines. With it and without a clock the result is the
+  /// same on every machine.
+  std::optional<std::size_t> max_extra;
 };
 
 struct Prepared {

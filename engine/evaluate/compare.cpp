@@ -1,0 +1,182 @@
+#include "engine/evaluate/compare.h"
+
+#include "engine/pipeline/baselines.h"
+#include "engine/pipeline/slice_part.h"
+#include "engine/pipeline/time_candidates.h"
+#include "engine/run/parallel_for.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace voidpath::evaluate {
+
+namespace {
+
+using pipeline::Only;
+
+/// One model under comparison: the search's candidates, and what has been timed of them so far.
+class Bench {
+ public:
+  Bench(const mesh::TriangleMesh& mesh, const CompareOptions& options, const run::Context& ctx)
+      : mesh_(mesh), options_(options), ctx_(ctx) {
+    orient::SearchOptions search = options.prepare.orient;
+    search.method = orient::Method::toolpath;
+    const double began = now();
+    choice_ = orient::search(mesh, search, ctx);
+    search_s_ = now() - began;
+  }
+
+  Row run(const std::string& method) {
+    asked_.clear();
+    Row row;
+    row.method = method;
+    if (method == "toolpath")
+      choose_by_toolpath(row);
+    else
+      choose(method, row);
+    return row;
+  }
+
+ private:
+  double now() const { return options_.now_s ? options_.now_s() : 0; }
+  double tie_tolerance() const { return options_.prepare.orient.tie_tolerance; }
+
+  /// Times the candidates that have not been yet. Those that turn out not to be printable are marked so.
+  void time(const std::vector<std::size_t>& which) {
+    run::Context inner = ctx_;
+    inner.threads = 1;
+    inner.on_progress = nullptr;
+    std::vector<double> costs(which.size());
+    run::parallel_for(ctx_, which.size(), [&](std::size_t k) {
+      orient::Candidate& c = choice_.candidates[which[k]];
+      if (c.predicted_s || !c.printable) return;
+      const double began = now();
+      try {
+        c.predicted_s = pipeline::time_part(mesh_, c.direction, options_.prepare, inner);
+      } catch (const pipeline::Refused& e) {
+        c.printable = false;
+        c.why = e.what();
+      }
+      costs[k] = now() - began;
+    });
+    for (std::size_t k = 0; k < which.size(); ++k) {
+      cost_s_.emplace(which[k], costs[k]);
+      asked_.insert(which[k]);
+    }
+  }
+
+  std::optional<std::size_t> pick(const std::string& method) {
+    if (method == "thesis")
+      return pipeline::score_winner(choice_, orient::kThesisWeights, Only::printable, tie_tolerance());
+    if (method == "ahsan")
+      return pipeline::score_winner(choice_, orient::kAhsanWeights, Only::printable, tie_tolerance());
+    if (method == "thesis-published")
+      return pipeline::score_winner(choice_, orient::kThesisWeights, Only::any, tie_tolerance());
+    if (method == "ahsan-published")
+      return pipeline::score_winner(choice_, orient::kAhsanWeights, Only::any, tie_tolerance());
+    if (method == "as-delivered") return choice_.as_delivered;
+    if (method == "lowest") return pipeline::lowest(choice_);
+    if (method == "axes") return best_axis();
+    if (under_.empty()) under_ = pipeline::undersides_of(mesh_, choice_, options_.prepare, ctx_);
+    return pipeline::least_overhang(choice_, under_, mesh::surface_area(mesh_));
+  }
+
+  std::optional<std::size_t> best_axis() {
+    std::vector<std::size_t> axes;
+    for (std::size_t i = 0; i < choice_.candidates.size(); ++i)
+      if (choice_.candidates[i].origin == orient::Origin::axis) axes.push_back(i);
+    time(axes);
+    std::optional<std::size_t> best;
+    for (const std::size_t i : axes) {
+      const auto& t = choice_.candidates[i].predicted_s;
+      if (t && (!best || *t < *choice_.candidates[*best].predicted_s)) best = i;
+    }
+    return best;
+  }
+
+  void choose(const std::string& method, Row& row) {
+    std::optional<std::size_t> i = pick(method);
+    while (i && choice_.candidates[*i].printable && !choice_.candidates[*i].predicted_s) {
+      time({*i});
+      i = pick(method);  // another, where the first cannot be sliced
+    }
+    if (i)
+      fill(row, choice_.candidates[*i]);
+    else
+      row.why = "none of its directions can be printed";
+    row.elapsed_s = search_s_ + cost_of_asked();
+  }
+
+  void choose_by_toolpath(Row& row) {
+    orient::Choice choice = choice_;
+    const double began = now();
+    pipeline::time_candidates(mesh_, options_.prepare, choice, ctx_);
+    for (const auto& [name, i] : choice.baselines) asked_.insert(i);
+    fill(row, choice.candidates[choice.chosen]);
+    row.elapsed_s = search_s_ + now() - began + cost_of_asked();
+  }
+
+  double cost_of_asked() const {
+    double sum = 0;
+    for (const std::size_t i : asked_) {
+      const auto cost = cost_s_.find(i);
+      if (cost != cost_s_.end()) sum += cost->second;
+    }
+    return sum;
+  }
+
+  static void fill(Row& row, const orient::Candidate& c) {
+    row.direction = c.direction;
+    row.criteria = c.criteria;
+    row.predicted_s = c.predicted_s;
+    if (!c.printable) row.why = c.why;
+  }
+
+  const mesh::TriangleMesh& mesh_;
+  const CompareOptions& options_;
+  const run::Context& ctx_;
+  orient::Choice choice_;
+  double search_s_ = 0;
+  std::vector<pipeline::Underside> under_;
+  std::map<std::size_t, double> cost_s_;  ///< of slicing and timing, per candidate
+  std::set<std::size_t> asked_;           ///< candidates the present method needs the time of
+};
+
+}  // namespace
+
+const std::vector<std::string>& known_methods() {
+  static const std::vector<std::string> names = {"thesis",         "ahsan", "toolpath", "as-delivered",
+                                                 "lowest",         "axes",  "tweaker",  "thesis-published",
+                                                 "ahsan-published"};
+  return names;
+}
+
+std::vector<Row> compare(const std::string& model, const mesh::TriangleMesh& mesh,
+                         const CompareOptions& options, const run::Context& ctx) {
+  Bench bench(mesh, options, ctx);
+  const Row delivered = bench.run("as-delivered");
+  std::map<std::string, Row> rows;
+  for (const std::string& method : options.methods)
+    if (method != "toolpath") rows[method] = bench.run(method);
+  if (std::count(options.methods.begin(), options.methods.end(), "toolpath") > 0)
+    rows["toolpath"] = bench.run("toolpath");
+  std::vector<Row> out;
+  for (const std::string& method : options.methods) {
+    Row row = rows.at(method);
+    row.model = model;
+    row.triangles = mesh.triangles.size();
+    if (row.predicted_s && delivered.predicted_s) row.ratio = *row.predicted_s / *delivered.predicted_s;
+    out.push_back(std::move(row));
+  }
+  return out;
+}
+
+Row failed(const std::string& model, const std::string& why) {
+  Row row;
+  row.model = model;
+  row.why = why;
+  return row;
+}
+
+}  // namespace voidpath::evaluate
