@@ -59,6 +59,7 @@ int orient_command(const std::vector<std::string>& args);
 int slice_command(const std::vector<std::string>& args);
 int estimate_command(const std::vector<std::string>& args);
 int check_command(const std::vector<std::string>& args);
+int evaluate_command(const std::vector<std::string>& args);
 int weights_command(const std::vector<std::string>& args);
 int profile_command(const std::vector<std::string>& args);
 

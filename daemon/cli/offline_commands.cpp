@@ -12,11 +12,12 @@ namespace {
 
 using Command = int (*)(const std::vector<std::string>&);
 
-constexpr std::array<std::pair<const char*, Command>, 6> kCommands = {{{"orient", orient_command},
+constexpr std::array<std::pair<const char*, Command>, 7> kCommands = {{{"orient", orient_command},
                                                                        {"slice", slice_command},
                                                                        {"estimate", estimate_command},
                                                                        {"check", check_command},
                                                                        {"weights", weights_command},
+{"evaluate", evaluate_command},
                                                                        {"profile", profile_command}}};
 
 // Exit codes of the command line's contract.

@@ -70,8 +70,11 @@ Field make_field(const orient::Choice& choice) {
     orient::score(columns[k], one);
   }
   Field field;
-  for (std::size_t i = 0; i < choice.candidates.size(); ++i)
-    if (choice.candidates[i].printable || choice.method != orient::Method::toolpath) field.index.push_back(i);
+  const auto& all = choice.candidates;
+  const bool only_printable = choice.method == orient::Method::toolpath &&
+                              std::any_of(all.begin(), all.end(), [](const auto& c) { return c.printable; });
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (all[i].printable || !only_printable) field.index.push_back(i);
   std::stable_sort(field.index.begin(), field.index.end(), [&](std::size_t a, std::size_t b) {
     const auto rank = [&](std::size_t i) {
       return std::pair(!choice.candidates[i].printable, i != choice.as_delivered);

@@ -20,7 +20,7 @@ const std::vector<orient::Weights>& weight_tuples();
 inline constexpr std::size_t kAllTuples = 14'641;
 
 /// What each of weight_tuples() picks, by the rules of orient::search(): an index into choice.candidates. For
-/// Method::toolpath only printable candidates can be picked; there must be one.
+/// Method::toolpath only printable candidates can be picked, unless there is none.
 std::vector<std::size_t> picks_of_tuples(const orient::Choice& choice, double tie_tolerance);
 
 /// Times this near, as a share, count as equal: the planner is no better than that against real firmware, and
