@@ -1,10 +1,12 @@
 #include <cstdio>
+#include <fstream>
 #include <iostream>
 
 #include <nlohmann/json.hpp>
 
 #include "daemon/cli/flags.h"
 #include "daemon/cli/offline.h"
+#include "engine/evaluate/layer_times.h"
 
 namespace voidpath::cli {
 
@@ -29,18 +31,34 @@ void print_estimate(const std::string& file, const gcode::Estimate& e) {
   for (const std::string& note : e.notes) std::printf("  %s\n", note.c_str());
 }
 
+void write_report(const std::string& file, const std::string& html) {
+  std::ofstream out(file, std::ios::binary | std::ios::trunc);
+  out << html;
+  out.close();
+  if (!out) throw std::runtime_error(file + ": cannot be written");
+}
+
 }  // namespace
 
 int estimate_command(const std::vector<std::string>& args) {
   CLI::App app("Times G-code by the printer's own planner", "estimate");
   CommonFlags common;
-  std::string file;
+  std::string file, report;
   app.add_option("file", file, "a G-code file, any slicer's")->required();
+  app.add_option("--report", report, "writes an HTML page with a picture of time by layer");
   add_common(app, common);
   if (!parse(app, args)) return 0;
 
   const Settings s = settings_from(common, {});
-  const gcode::Estimate e = gcode::estimate_file(file, s.options.limits, console_context(common.threads));
+  const run::Context ctx = console_context(common.threads);
+  gcode::Estimate e;
+  if (report.empty()) {
+    e = gcode::estimate_file(file, s.options.limits, ctx);
+  } else {
+    const evaluate::LayerTimes times = evaluate::time_layers(file, s.options.limits, ctx);
+    write_report(report, evaluate::layer_page(std::filesystem::path(file).filename().string(), times));
+    e = times.estimate;
+  }
   end_progress();
   if (!common.json) {
     print_estimate(file, e);

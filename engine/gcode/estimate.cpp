@@ -129,14 +129,14 @@ Estimate estimate(std::istream& in, const motion::MachineLimits& limits, const r
 }
 
 Estimate estimate_file(const std::filesystem::path& file, const motion::MachineLimits& limits,
-                       const run::Context& ctx) {
+                       const run::Context& ctx, const OnMotion& on_motion) {
   std::error_code error;
   if (std::filesystem::is_directory(file, error)) throw std::runtime_error(file.string() + ": is a folder");
   std::ifstream in(file, std::ios::binary);
   if (!in) throw std::runtime_error(file.string() + ": cannot be opened");
   refuse_unless_text(in, file.string());
   const std::uint64_t size = std::filesystem::file_size(file, error);
-  Estimation estimation(limits, {});
+  Estimation estimation(limits, on_motion);
   try {
     run_all(in, estimation, error ? 0 : size, ctx);
   } catch (const std::runtime_error& failure) {

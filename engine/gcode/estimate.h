@@ -57,6 +57,6 @@ Estimate estimate(std::istream& in, const motion::MachineLimits& limits, const r
                   const OnMotion& on_motion = {});
 /// Throws std::runtime_error naming the file when it cannot be read or is not G-code text.
 Estimate estimate_file(const std::filesystem::path& file, const motion::MachineLimits& limits,
-                       const run::Context& ctx = {});
+                       const run::Context& ctx = {}, const OnMotion& on_motion = {});
 
 }  // namespace voidpath::gcode
