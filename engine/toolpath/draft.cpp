@@ -24,6 +24,10 @@ constexpr double kMinGapWidth = 0.25;
 constexpr double kMaxGapWidth = 2.0;
 /// A gap line's bead changes when the width differs by this share.
 constexpr double kGapWidthStep = 0.15;
+/// Gap lines are simplified to this, mm: their place is known no better.
+constexpr double kGapToleranceMm = 0.03;
+/// Sparse infill is simplified to this, mm: nobody sees it.
+constexpr double kSparseToleranceMm = 0.05;
 /// Gap lines shorter than this many widths are blobs.
 constexpr double kMinGapLength = 1.0;
 
@@ -61,7 +65,7 @@ void add_gap_line(std::vector<Path>& out, const CentreLine& line, const BeadSize
     const double spacing = std::min(area / length, high);
     if (spacing < low || (n < 3 && length < kMinGapLength * spacing)) continue;
     const bool closed = line.closed && points.size() == n && points.front() == points.back();
-    points = geom::simplify(points, from_mm(tolerance_mm));
+    points = geom::simplify(points, from_mm(std::max(tolerance_mm, kGapToleranceMm)));
     if (closed) points.pop_back();
     out.push_back(make_path(Role::gap_fill, std::move(points), closed,
                             width_of_spacing_mm(spacing, bead.height_mm), bead.height_mm,
@@ -128,7 +132,8 @@ LayerDraft draft_layer(const slice::Layer& layer, std::size_t index, LayerWalls&
     add_fill(fills, Role::solid_infill, solid_fill(domain, angle, bead), bead, s.resolution_mm);
   });
   each(surfaces.sparse, [&](const geom::Region& domain, std::vector<Path>& fills) {
-    add_fill(fills, Role::infill, sparse_fill(domain, s, index, layer.span, bead), bead, s.resolution_mm);
+    add_fill(fills, Role::infill, sparse_fill(domain, s, index, layer.span, bead), bead,
+             std::max(s.resolution_mm, kSparseToleranceMm));
   });
   each(surfaces.top, [&](const geom::Region& domain, std::vector<Path>& fills) {
     add_fill(fills, Role::top_solid_infill, solid_fill(domain, angle, bead), bead, s.resolution_mm);

@@ -22,6 +22,8 @@ constexpr double kFirstLayerDensity = 0.5;
 constexpr double kLinkSpacings = 1.6;
 /// Remainders of wide columns smaller than this need no line of their own, mm²: the rest carries them.
 constexpr double kMinRestMm2 = 4.0;
+/// Lines of support are simplified to this, mm: they only have to be there.
+constexpr double kLineToleranceMm = 0.05;
 /// An area that is narrow by more than this share needs no lines across.
 constexpr double kAllNarrow = 0.9;
 /// Borders of columns may be this much plainer than the column, mm.
@@ -60,17 +62,18 @@ std::vector<Path> support_lines(const SupportAreas& areas, std::size_t layer, co
                                 const SliceSettings& settings) {
   std::vector<Path> out;
   const double spacing = bead.spacing_mm();
+  const double tolerance = std::max(settings.resolution_mm, kLineToleranceMm);
   auto fill = [&](const Regions& regions, double density, double angle, Role role) {
     if (regions.empty() || density <= 0) return;
     const double apart = spacing / std::min(density, 1.0);
     const bool sparse = apart > 2 * spacing;
     for (const auto& domain : geom::offset(regions, -from_mm(0.5 * bead.width_mm))) {
       const Regions narrow = sparse ? narrow_parts(domain, apart, spacing) : Regions{};
-      for (const auto& part : narrow) add_border(out, part, bead, settings.resolution_mm);
+      for (const auto& part : narrow) add_border(out, part, bead, tolerance);
       const double bordered = geom::area(narrow);
       if (bordered > kAllNarrow * geom::area(domain)) continue;
       Hatch h = hatch({domain}, {angle, apart, false, kLinkSpacings * apart});
-      add_fill(out, role, {std::move(h.lines), false, spacing}, bead, settings.resolution_mm);
+      add_fill(out, role, {std::move(h.lines), false, spacing}, bead, tolerance);
     }
   };
   const double density =
