@@ -97,7 +97,11 @@ slice::LayerStack hook_stack() {
 }
 
 std::vector<slice::LayerStack> overhanging() {
-  return {arch_stack(60, 10, 6, 2, 4), mushroom_stack(24, 6, 1, 6), funnel_stack(), ball_stack(10),
+  return {arch_stack(60, 10, 6, 2, 4),
+          arch_stack(32, 10, 6, 2, 4),
+          mushroom_stack(24, 6, 1, 6),
+          funnel_stack(),
+          ball_stack(10),
           hook_stack()};
 }
 
