@@ -1,8 +1,11 @@
 #include "engine/toolpath/triangulate.h"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <numeric>
+#include <optional>
+#include <queue>
 #include <unordered_map>
 
 namespace voidpath::toolpath {
@@ -118,10 +121,50 @@ class Triangulator {
     return turn(before, p, after) > 0 ? left_of_in && left_of_out : left_of_in || left_of_out;
   }
 
-  /// Length of the side that would cut off the chain's vertex i; infinite where that is no ear.
-  double ear(const Chain& chain, std::size_t i) const {
-    const std::size_t n = chain.size();
-    const Point &a = at(chain[(i + n - 1) % n]), &b = at(chain[i]), &c = at(chain[(i + 1) % n]);
+  /// What is not yet clipped, as a ring of places in the chain.
+  struct Ring {
+    Chain vertex;
+    std::vector<std::uint32_t> prev;
+    std::vector<std::uint32_t> next;
+    std::vector<std::uint32_t> version;  ///< of a place's latest measure
+    std::vector<char> left;              ///< whether the place is still there
+    std::uint32_t any = 0;               ///< one that is
+    std::size_t size = 0;
+
+    explicit Ring(Chain chain) : vertex(std::move(chain)), version(vertex.size()), left(vertex.size(), 1) {
+      size = vertex.size();
+      for (std::uint32_t i = 0; i < size; ++i) {
+        prev.push_back(i > 0 ? i - 1 : static_cast<std::uint32_t>(size) - 1);
+        next.push_back(i + 1 < size ? i + 1 : 0);
+      }
+    }
+    void take_out(std::uint32_t i) {
+      next[prev[i]] = next[i];
+      prev[next[i]] = prev[i];
+      left[i] = 0;
+      any = next[i];
+      --size;
+    }
+    template <class Use>
+    void each(Use use) const {
+      std::uint32_t i = any;
+      for (std::size_t k = 0; k < size; ++k, i = next[i]) use(i);
+    }
+  };
+
+  /// An ear by the length of its cut; one whose place was measured again since is out of date.
+  struct Ear {
+    double cut;
+    std::uint32_t place;
+    std::uint32_t version;
+    friend auto operator<=>(const Ear&, const Ear&) = default;
+  };
+  using Ears = std::priority_queue<Ear, std::vector<Ear>, std::greater<>>;
+
+  /// Length of the side that would cut off the vertex at place i; infinite where that is no ear.
+  double cut_at(const Ring& ring, std::uint32_t i) const {
+    const Point &a = at(ring.vertex[ring.prev[i]]), &b = at(ring.vertex[i]),
+                &c = at(ring.vertex[ring.next[i]]);
     if (turn(a, b, c) <= 0) return kNoEar;
     const auto [left, right] = std::minmax({a.x, b.x, c.x});
     const auto [low, high] = std::minmax({a.y, b.y, c.y});
@@ -135,6 +178,22 @@ class Triangulator {
     return geom::distance(a, c);
   }
 
+  void measure(Ring& ring, Ears& ears, std::uint32_t i) const {
+    const double cut = cut_at(ring, i);
+    ++ring.version[i];
+    if (cut < kNoEar) ears.push({cut, i, ring.version[i]});
+  }
+
+  /// The ear with the shortest cut, taken off the queue; nothing if there is none.
+  static std::optional<std::uint32_t> take_ear(const Ring& ring, Ears& ears) {
+    while (!ears.empty()) {
+      const Ear ear = ears.top();
+      ears.pop();
+      if (ring.left[ear.place] && ring.version[ear.place] == ear.version) return ear.place;
+    }
+    return std::nullopt;
+  }
+
   /// Clips the ear with the shortest cut first: across a sliver, not along it.
   void clip_ears(Chain chain) {
     by_x_.resize(out_.points.size());
@@ -142,36 +201,41 @@ class Triangulator {
     std::sort(by_x_.begin(), by_x_.end(), [&](Index a, Index b) { return at(a) < at(b); });
     in_chain_.assign(out_.points.size(), 0);
     for (const Index v : chain) ++in_chain_[v];
-    std::vector<double> cut(chain.size());
-    auto measure_all = [&] {
-      for (std::size_t i = 0; i < chain.size(); ++i) cut[i] = ear(chain, i);
-    };
+    Ring ring(std::move(chain));
+    Ears ears;
+    auto measure_all = [&] { ring.each([&](std::uint32_t i) { measure(ring, ears, i); }); };
     measure_all();
-    while (chain.size() > 3) {
-      auto best = std::min_element(cut.begin(), cut.end());
-      if (*best == kNoEar) {
+    while (ring.size > 3) {
+      std::optional<std::uint32_t> ear = take_ear(ring, ears);
+      if (!ear) {  // vertices clipped since may have uncovered some
         measure_all();
-        best = std::min_element(cut.begin(), cut.end());
+        ear = take_ear(ring, ears);
       }
-      if (*best == kNoEar && (best = flat_corner(chain, cut)) == cut.end()) return;
-      const auto i = static_cast<std::size_t>(best - cut.begin());
-      const std::size_t n = chain.size();
-      out_.triangles.push_back({{chain[(i + n - 1) % n], chain[i], chain[(i + 1) % n]}, {}});
-      --in_chain_[chain[i]];
-      chain.erase(chain.begin() + static_cast<std::ptrdiff_t>(i));
-      cut.erase(best);
-      for (const std::size_t k : {(i + n - 2) % (n - 1), i % (n - 1)}) cut[k] = ear(chain, k);
+      if (!ear) ear = flat_corner(ring);
+      if (!ear) return;
+      const std::uint32_t before = ring.prev[*ear], after = ring.next[*ear];
+      add_triangle(ring, *ear);
+      --in_chain_[ring.vertex[*ear]];
+      ring.take_out(*ear);
+      measure(ring, ears, before);
+      measure(ring, ears, after);
     }
-    if (chain.size() == 3) out_.triangles.push_back({{chain[0], chain[1], chain[2]}, {}});
+    if (ring.size == 3) add_triangle(ring, ring.any);
+  }
+
+  void add_triangle(const Ring& ring, std::uint32_t i) {
+    out_.triangles.push_back({{ring.vertex[ring.prev[i]], ring.vertex[i], ring.vertex[ring.next[i]]}, {}});
   }
 
   /// What is left when there are no ears has no area: its corners go as they are, never reflex ones.
-  std::vector<double>::iterator flat_corner(const Chain& chain, std::vector<double>& cut) const {
-    const std::size_t n = chain.size();
-    for (std::size_t i = 0; i < n; ++i)
-      if (turn(at(chain[(i + n - 1) % n]), at(chain[i]), at(chain[(i + 1) % n])) == 0)
-        return cut.begin() + static_cast<std::ptrdiff_t>(i);
-    return cut.end();
+  std::optional<std::uint32_t> flat_corner(const Ring& ring) const {
+    std::optional<std::uint32_t> found;
+    ring.each([&](std::uint32_t i) {
+      if (!found &&
+          turn(at(ring.vertex[ring.prev[i]]), at(ring.vertex[i]), at(ring.vertex[ring.next[i]])) == 0)
+        found = i;
+    });
+    return found;
   }
 
   static std::uint64_t key(Index a, Index b) { return (std::uint64_t{a} << 32) | b; }

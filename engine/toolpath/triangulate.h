@@ -20,8 +20,8 @@ struct Triangulation {
 };
 
 /// Constrained Delaunay triangulation: holes are joined to the outer ring by cuts, ears are clipped, sides
-/// flipped until none can be improved (Lawson). Quadratic in the number of vertices: for slivers, not for
-/// whole layers. Empty where the region is degenerate.
+/// flipped until none can be improved (Lawson). For slivers: every ear looks at the vertices in its
+/// range of x. Empty where the region is degenerate.
 Triangulation triangulate(const geom::Region& region);
 
 }  // namespace voidpath::toolpath
