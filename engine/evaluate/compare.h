@@ -29,18 +29,21 @@ struct Row {
 /// thesis, ahsan: the published four and three criteria with the published weights, among printable
 /// directions. thesis-published, ahsan-published: exactly as published, timed when their choice can be
 /// printed. toolpath: this program's default. as-delivered. lowest: least height. axes: the quickest of the
-/// six axes. tweaker: least overhang with largest contact (pipeline::unprintability).
+/// six axes. tweaker: least overhang with largest contact (pipeline::unprintability). oracle: every printable
+/// candidate sliced and timed, minutes to hours a model; what the others lose against it is their regret.
 const std::vector<std::string>& known_methods();
+/// All but oracle.
+const std::vector<std::string>& default_methods();
 
 struct CompareOptions {
   pipeline::PrepareOptions prepare;  ///< its orient.method is not looked at
-  std::vector<std::string> methods = known_methods();
+  std::vector<std::string> methods = default_methods();
   std::function<double()> now_s;  ///< for elapsed_s; without it that stays 0
 };
 
-/// Every method's row, in the order asked for. The toolpath method knows the times of all others, as its
-/// baselines hold what they choose. The same on one thread or many, apart from elapsed_s, unless
-/// prepare.now_s sets a budget. Throws orient::NothingFits, run::Stopped.
+/// Every method's row, in the order asked for. The toolpath method knows the times of all others but the
+/// oracle, as its baselines hold what they choose. The same on one thread or many, apart from elapsed_s,
+/// unless prepare.now_s sets a budget. Throws orient::NothingFits, run::Stopped.
 std::vector<Row> compare(const std::string& model, const mesh::TriangleMesh& mesh,
                          const CompareOptions& options, const run::Context& ctx = {});
 

@@ -39,7 +39,8 @@ const std::string& words_of(const std::string& method) {
       {"axes", "quickest of the six axes"},
       {"tweaker", "least overhang with largest contact"},
       {"thesis-published", "four criteria exactly as published, where their choice can be printed"},
-      {"ahsan-published", "three criteria exactly as published, likewise"}};
+      {"ahsan-published", "three criteria exactly as published, likewise"},
+      {"oracle", "every printable candidate sliced and timed"}};
   static const std::string none;
   for (const auto& [name, text] : words)
     if (name == method) return text;
@@ -112,8 +113,8 @@ std::string against_default(const std::vector<Row>& rows, const std::vector<std:
     table += "<tr>" + cell(m) + cell(std::to_string(s.count)) + cell(number(quantile(pair.ratios, 0.5), 3)) +
              cell(number(quantile(pair.ratios, 0.95), 3)) + cell(number(quantile(pair.ratios, 1), 3)) +
              cell(number(sum / static_cast<double>(s.count), 3)) + cell(percent(s.above)) +
-             cell(percent(s.below)) + "<td style=\"text-align:left\">" + escaped(words_of(m)) +
-             "</td></tr>\n";
+             cell(percent(s.below)) + "<td style=\"text-align:left;white-space:normal\">" +
+             escaped(words_of(m)) + "</td></tr>\n";
   }
   if (strips.empty()) return {};
   return "<h2>Every method against the default</h2>\n" +
@@ -136,6 +137,13 @@ std::string gains(const std::vector<Row>& rows) {
            percent(1 - quantile(pair.ratios, 0)) + " at best, " + percent(1 - quantile(pair.ratios, 1)) +
            " at worst, over " + std::to_string(pair.ratios.size()) + " models.</li>\n";
   }
+  const Pair regret = compare_methods(rows, "toolpath", "oracle");
+  if (!regret.ratios.empty())
+    out += "<li>Regret against the quickest of all printable candidates: " +
+           percent(quantile(regret.ratios, 0.5) - 1) + " at the median, " +
+           percent(quantile(regret.ratios, 0.95) - 1) + " at the 95th percentile, " +
+           percent(quantile(regret.ratios, 1) - 1) + " at worst, over " +
+           std::to_string(regret.ratios.size()) + " models.</li>\n";
   return out.empty() ? out : "<h2>What the default gains</h2>\n<ul>" + out + "</ul>\n";
 }
 

@@ -64,7 +64,7 @@ std::string summary_text(const std::vector<Row>& rows) {
            " slower (published: 62, 15, 23 %)\n";
   }
   for (const std::string& method : known_methods()) {
-    if (method == "toolpath") continue;
+    if (method == "toolpath" || method == "oracle") continue;
     const Pair pair = compare_methods(rows, method, "toolpath");
     if (pair.ratios.empty()) continue;
     const Shares s = shares_of(pair.ratios);
@@ -73,6 +73,12 @@ std::string summary_text(const std::vector<Row>& rows) {
            percent(1 - 1 / quantile(pair.ratios, 1)) + " at best; faster in " + percent(s.above) +
            ", slower in " + percent(s.below) + "\n";
   }
+  const Pair regret = compare_methods(rows, "toolpath", "oracle");
+  if (!regret.ratios.empty())
+    out += "regret of toolpath against every direction timed, " + std::to_string(regret.ratios.size()) +
+           " models: " + percent(quantile(regret.ratios, 0.5) - 1) + " at the median, " +
+           percent(quantile(regret.ratios, 0.95) - 1) + " at the 95th percentile, " +
+           percent(quantile(regret.ratios, 1) - 1) + " at worst\n";
   return out;
 }
 

@@ -75,6 +75,20 @@ TEST_CASE("each method chooses what its name says") {
   CHECK(*axes->predicted_s <= *evaluate::find_row(rows, "table", "as-delivered")->predicted_s);
 }
 
+TEST_CASE("the oracle is the quickest of all, and no help to the default method") {
+  auto o = quick_options();
+  o.prepare.max_extra = 0;
+  const auto mesh = test::cup(18, 14, 20, 2, 2);
+  o.methods = {"toolpath"};
+  const auto alone = evaluate::compare("cup", mesh, o);
+  o.methods = {"oracle", "toolpath"};
+  const auto rows = evaluate::compare("cup", mesh, o);
+  CHECK(rows[0].method == "oracle");
+  CHECK(*rows[0].predicted_s <= *rows[1].predicted_s);
+  CHECK(rows[1].direction == alone[0].direction);
+  CHECK(rows[1].predicted_s == alone[0].predicted_s);
+}
+
 TEST_CASE("the rows are the same on one thread and on many") {
   const auto o = quick_options();
   run::Context one, many;
