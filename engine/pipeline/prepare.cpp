@@ -3,23 +3,11 @@
 #include "engine/pipeline/slice_part.h"
 #include "engine/pipeline/time_candidates.h"
 
-#include <algorithm>
-
 namespace voidpath::pipeline {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-/// Holds a part that does not stand by itself.
-constexpr double kHoldingBrim_mm = 5;
-
-PrepareOptions with_hold(const PrepareOptions& options, const orient::Candidate& candidate) {
-  PrepareOptions out = options;
-  auto& brim = out.print.slice.brim_width_mm;
-  if (!candidate.printable) brim = std::max(brim, kHoldingBrim_mm);
-  return out;
-}
 
 orient::Choice forced(const mesh::TriangleMesh& mesh, const geom::Vec3& direction,
                       const PrepareOptions& options, const run::Context& ctx) {
@@ -65,7 +53,7 @@ Prepared prepare(const fs::path& model, const fs::path& gcode_out, const Prepare
 
   auto& chosen = p.choice.candidates[p.choice.chosen];
   ctx.progress("slice", 0.0);
-  SlicedPart part = slice_part_to(p.model.mesh, chosen.direction, with_hold(options, chosen), gcode_out, ctx);
+  SlicedPart part = slice_part_to(p.model.mesh, chosen.direction, held(options, chosen), gcode_out, ctx);
   p.stats = part.stats;
   p.estimate = std::move(part.estimate);
   chosen.predicted_s = p.estimate.predicted_s;
@@ -75,7 +63,7 @@ Prepared prepare(const fs::path& model, const fs::path& gcode_out, const Prepare
   try {
     const fs::path scratch = gcode_out.string() + ".as-delivered";
     p.as_delivered =
-        slice_part_to(p.model.mesh, delivered.direction, with_hold(options, delivered), scratch, ctx)
+        slice_part_to(p.model.mesh, delivered.direction, held(options, delivered), scratch, ctx)
             .estimate;
     std::error_code ec;
     fs::remove(scratch, ec);

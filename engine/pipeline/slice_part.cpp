@@ -1,5 +1,6 @@
 #include "engine/pipeline/slice_part.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -19,6 +20,8 @@ namespace voidpath::pipeline {
 namespace fs = std::filesystem;
 
 namespace {
+
+constexpr double kHoldingBrim_mm = 5;
 
 std::string size_text(double x, double y, double z) {
   return orient::number(x, 1) + " x " + orient::number(y, 1) + " x " + orient::number(z, 1) + " mm";
@@ -113,6 +116,13 @@ class AtomicFile {
 };
 
 }  // namespace
+
+PrepareOptions held(const PrepareOptions& options, const orient::Candidate& candidate) {
+  PrepareOptions out = options;
+  auto& brim = out.print.slice.brim_width_mm;
+  if (!candidate.printable) brim = std::max(brim, kHoldingBrim_mm);
+  return out;
+}
 
 toolpath::EmitStats slice_part(const mesh::TriangleMesh& mesh, const geom::Vec3& direction,
                                const PrepareOptions& options, std::ostream& out, const run::Context& ctx) {

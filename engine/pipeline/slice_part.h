@@ -12,6 +12,9 @@ struct SlicedPart {
   gcode::Estimate estimate;
 };
 
+/// The options with a brim for a candidate that does not stand by itself.
+PrepareOptions held(const PrepareOptions& options, const orient::Candidate& candidate);
+
 /// The part standing in `direction`, turned about the build axis so that it fits, sliced into `out`.
 /// The skirt is left off where only the part itself fits. Throws Refused for anything larger and for a part
 /// with nothing to print; run::Stopped.

@@ -90,6 +90,18 @@ std::string explain(const Choice& choice, const std::string& by_criteria) {
          orient::number(100 * saved / *d.predicted_s, 0) + " % less): " + by_criteria;
 }
 
+/// A part that does not stand as it came was no candidate; what turning it saves is told all the same.
+void time_as_delivered(const mesh::TriangleMesh& mesh, const PrepareOptions& options, Choice& choice,
+                       const run::Context& ctx) {
+  Candidate& d = choice.candidates[choice.as_delivered];
+  if (d.predicted_s) return;
+  try {
+    d.predicted_s = time_part(mesh, d.direction, held(options, d), ctx);
+  } catch (const Refused&) {
+    // It does not fit: there is nothing to compare with.
+  }
+}
+
 }  // namespace
 
 std::map<std::string, std::size_t> find_baselines(const Choice& choice) {
@@ -149,11 +161,12 @@ void time_candidates(const mesh::TriangleMesh& mesh, const PrepareOptions& optio
     if (choice.candidates[i].printable && quicker) best = i;
   }
   // Of equals, the part as it came.
-  if (time_of(choice.as_delivered) <= time_of(best)) best = choice.as_delivered;
+  if (choice.candidates[choice.as_delivered].printable && time_of(choice.as_delivered) <= time_of(best)) best = choice.as_delivered;
   choice.chosen = best;
   choice.ties.clear();
   for (std::size_t i = 0; i < choice.candidates.size(); ++i)
     if (choice.candidates[i].printable && time_of(i) == time_of(best)) choice.ties.push_back(i);
+  time_as_delivered(mesh, options, choice, ctx);
   choice.why = explain(choice, orient::explain(choice));
 }
 
