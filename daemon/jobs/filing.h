@@ -8,6 +8,9 @@
 
 namespace voidpath::daemon {
 
+/// Begins the name of an upload that is not complete, or has not got its own name yet.
+inline constexpr std::string_view kUploadPrefix = ".voidpath-upload-";
+
 /// One row of the history, with the fields that `voidpath history --json` promises.
 Json history_json(const PrintRecord& record);
 /// The same, one line of CSV; and its header.

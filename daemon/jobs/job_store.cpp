@@ -141,18 +141,20 @@ std::vector<Job> JobStore::open_jobs() {
 }
 
 PrinterMemory JobStore::printer(const std::string& name) {
-  auto row = database_.prepare("SELECT bed_clear, held, firmware FROM printers WHERE name = ?");
+  auto row = database_.prepare("SELECT bed_clear, held, firmware, may_be_hot FROM printers WHERE name = ?");
   row.bind(name);
   if (!row.step()) return {};
-  return {true, row.integer(0) != 0, row.text(1), row.text(2)};
+  return {true, row.integer(0) != 0, row.text(1), row.text(2), row.integer(3) != 0};
 }
 
 void JobStore::save_printer(const std::string& name, const PrinterMemory& memory) {
-  database_.prepare("INSERT OR REPLACE INTO printers (name, bed_clear, held, firmware) VALUES (?,?,?,?)")
+  database_
+      .prepare("INSERT OR REPLACE INTO printers (name, bed_clear, held, firmware, may_be_hot) VALUES (?,?,?,?,?)")
       .bind(name)
       .bind(std::int64_t{memory.bed_clear})
       .bind(memory.held)
       .bind(memory.firmware)
+      .bind(std::int64_t{memory.may_be_hot})
       .run();
 }
 

@@ -18,6 +18,7 @@ struct PrinterMemory {
   bool bed_clear = false;
   std::string held;
   std::string firmware;
+  bool may_be_hot = false;  ///< a print began, and did not end with the printer's own heaters known to be off
 };
 
 struct LoggedEvent {

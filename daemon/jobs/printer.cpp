@@ -163,4 +163,13 @@ void Printer::halt_now(const std::string& reason) noexcept {
   if (port_) port_->halt(reason);
 }
 
+void take_times(PrintRecord& record, const PrintTimer& timer) {
+  record.measured_s = timer.measured_s();
+  record.heating_s = timer.heating_s();
+  record.paused_s = timer.paused_s();
+  record.total_s = timer.total_s();
+  record.resends = timer.resends();
+  record.layer_measured_s = timer.layer_s();
+}
+
 }  // namespace voidpath::daemon

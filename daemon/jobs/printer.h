@@ -71,8 +71,6 @@ class Printer {
 
   /// Kept between runs; whoever changes it saves it.
   PrinterMemory memory;
-  /// Its heaters may still be on from a print nobody looks after any more: off at the next connection.
-  bool cool_down = false;
   /// The history record of the running print.
   std::optional<PrintRecord> record;
 
@@ -107,5 +105,8 @@ class Printer {
   std::uint64_t position_ = 0;
   std::uint64_t size_ = 0;
 };
+
+/// What the timer measured, into the history's record.
+void take_times(PrintRecord& record, const PrintTimer& timer);
 
 }  // namespace voidpath::daemon

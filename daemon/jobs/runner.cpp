@@ -51,8 +51,7 @@ void Runner::start() {
       file(job, job.state == State::done ? "done" : "failed");
       continue;
     }
-    if (Printer* printer = find_printer(job.printer); printer && on_printer(job.state))
-      printer->cool_down = true;
+    show_upload(job);
     apply(id, Event::recovered, [](Job& j) {
       if (!on_printer(j.state) || j.state == State::cancelling) return;
       j.message =
@@ -66,8 +65,23 @@ void Runner::start() {
       apply(id, Event::input_changed);
     }
   }
+  drop_stray_uploads();
   for (auto& printer : printers_) printer->open();
   want_schedule();
+}
+
+void Runner::drop_stray_uploads() const {
+  for (const auto& printer : printers_)
+    for (const auto& folder : printer->config().watch) {
+      std::error_code error;
+      for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+        const auto& path = it->path();
+        const bool held = std::any_of(jobs_.begin(), jobs_.end(),
+                                      [&](const auto& entry) { return entry.second.location == path; });
+        std::error_code ignored;
+        if (!held && path.filename().string().starts_with(kUploadPrefix)) std::filesystem::remove(path, ignored);
+      }
+    }
 }
 
 bool Runner::apply(JobId id, Event event, const Edit& edit) {
@@ -90,6 +104,7 @@ bool Runner::apply(JobId id, Event event, const Edit& edit) {
                         {"by", std::string(name_of(event))},
                         {"message", after.message}});
   }
+  if (has(step.effects, Effect::record) || has(step.effects, Effect::close_record)) ended_records_.erase(id);
   changed();
   perform(id, step);
   want_schedule();
@@ -107,6 +122,28 @@ void Runner::happen(JobId id, Event event, const Edit& edit) {
   }
 }
 
+void Runner::decide(JobId id, Event event, const Edit& edit) {
+  try {
+    apply(id, event, edit);
+  } catch (const StoreError& error) {
+    s_.log.error("store", {{"job", std::to_string(id)}, {"reason", error.what()}});
+    s_.loop.after(kStoreRetry_s, [this, alive = alive_] {
+      if (*alive) want_schedule();
+    });
+  }
+}
+
+void Runner::save_memory(Printer& printer) {
+  try {
+    s_.store.save_printer(printer.name(), printer.memory);
+  } catch (const StoreError& error) {
+    s_.log.error("store", {{"printer", printer.name()}, {"reason", error.what()}});
+    s_.loop.after(kStoreRetry_s, [this, &printer, alive = alive_] {
+      if (*alive) save_memory(printer);
+    });
+  }
+}
+
 void Runner::commit(const Job& before, Job& after, const Transition& step) {
   Printer* printer = find_printer(after.printer);
   const PrinterMemory memory = printer ? printer->memory : PrinterMemory{};
@@ -114,7 +151,11 @@ void Runner::commit(const Job& before, Job& after, const Transition& step) {
   try {
     auto change = s_.store.begin();
     if (printer && has(step.effects, Effect::soil_bed)) printer->memory.bed_clear = false;
+    // Only an end that the printer took part in is known to have left it cool.
+    const bool cooled = after.state == State::done || after.state == State::cancelled || after.state == State::ready;
+    if (printer && on_printer(before.state) && cooled) printer->memory.may_be_hot = false;
     if (printer && has(step.effects, Effect::start_print)) {
+      printer->memory.may_be_hot = true;
       PrintRecord started;
       started.job = after.id;
       started.file = after.file_name();
@@ -147,6 +188,8 @@ void Runner::end_record(const Job& before, const Job& after, Printer* printer, b
     record = printer->record;
     timer = printer->timer();
     printer->record.reset();
+  } else if (const auto kept = ended_records_.find(after.id); kept != ended_records_.end()) {
+    record = kept->second;
   } else {
     record = s_.store.last_record_of(after.id);
     if (record && record->state != "open") record.reset();
@@ -166,14 +209,7 @@ void Runner::end_record(const Job& before, const Job& after, Printer* printer, b
   if (printed && printer && printer->config().auto_clear) printer->memory.bed_clear = true;
   record->ended = utc_now();
   if (record->state != name_of(State::done)) record->reason = after.message;
-  if (timer) {
-    record->measured_s = timer->measured_s();
-    record->heating_s = timer->heating_s();
-    record->paused_s = timer->paused_s();
-    record->total_s = timer->total_s();
-    record->resends = timer->resends();
-    record->layer_measured_s = timer->layer_s();
-  }
+  if (timer) take_times(*record, *timer);
   s_.store.close_record(*record);
 }
 
@@ -200,7 +236,7 @@ void Runner::start_print(const Job& job) {
   } catch (const std::exception& error) {
     // Not from within the transition that led here.
     s_.loop.post([this, alive = alive_, id = job.id, why = std::string(error.what())] {
-      if (*alive) happen(id, Event::print_failed, [&](Job& j) { j.message = why; });
+      if (*alive) happen(id, Event::print_failed, [why](Job& j) { j.message = why; });
     });
   }
 }
@@ -222,6 +258,12 @@ void Runner::file(Job& job, const char* subfolder) {
     file_input(job, subfolder, record);
   } catch (const StoreError& error) {
     s_.log.error("store", {{"job", std::to_string(id)}, {"reason", error.what()}});
+    s_.loop.after(kStoreRetry_s, [this, id, subfolder, alive = alive_] {
+      if (!*alive) return;
+      if (const auto found = jobs_.find(id); found != jobs_.end() && ended(found->second.state))
+        file(found->second, subfolder);
+    });
+    return;
   } catch (const std::exception& error) {
     s_.log.error("filing",
                  {{"job", std::to_string(id)}, {"file", job.input.string()}, {"reason", error.what()}});

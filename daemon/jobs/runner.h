@@ -91,16 +91,24 @@ class Runner {
   const Preparing& preparing() const noexcept { return preparing_; }
 
  private:
+  /// May be repeated long after its call: captures by value.
   using Edit = std::function<void(Job&)>;
   /// Commits the transition, then performs its effects. False if the event has no meaning there.
   bool apply(JobId id, Event event, const Edit& edit = {});
   /// apply() for what happened by itself: where the store fails, it is tried again later.
   void happen(JobId id, Event event, const Edit& edit = {});
+  /// apply() for what is decided by how things stand: where the store fails, it is decided anew later.
+  void decide(JobId id, Event event, const Edit& edit = {});
+  /// Keeps what is known of a printer; where the store fails, it is tried again later.
+  void save_memory(Printer& printer);
   void commit(const Job& before, Job& after, const Transition& step);
   void end_record(const Job& before, const Job& after, Printer* printer, bool needed);
   void perform(JobId id, const Transition& step);
   void start_print(const Job& job);
   void file(Job& job, const char* subfolder);
+  /// Gives an upload that is in the store the name its user knows.
+  void show_upload(Job& job);
+  void drop_stray_uploads() const;
 
   void on_printer_event(Printer& printer, const fw::Event& event);
   void on_print_end(Printer& printer, const fw::Event& event);
@@ -125,6 +133,8 @@ class Runner {
   config::DaemonConfig config_;
   std::map<JobId, Job> jobs_;  ///< all that are not ended and filed
   std::vector<std::unique_ptr<Printer>> printers_;
+  /// What was measured of prints that have ended, until the store has it.
+  std::map<JobId, PrintRecord> ended_records_;
   Preparing preparing_;
   std::unique_ptr<PrepareWorker> worker_;
   bool schedule_posted_ = false;

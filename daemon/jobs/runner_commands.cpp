@@ -142,15 +142,30 @@ void Runner::command_line(const std::string& name, const std::string& line) {
 void Runner::halted(const std::string& name, const std::string& reason) {
   for (const auto& one : printers_) {
     if (!name.empty() && one->name() != name) continue;
-    PrinterMemory memory = one->memory;
-    memory.held = reason;
-    memory.bed_clear = false;
-    one->memory = memory;
+    one->memory.held = reason;
+    one->memory.bed_clear = false;
     s_.log.warning("halt", {{"printer", one->name()}, {"reason", reason}});
-    if (const Job* job = job_on(*one)) happen(job->id, Event::halt, [&](Job& j) { j.message = reason; });
-    s_.store.save_printer(one->name(), memory);
+    if (const Job* job = job_on(*one)) happen(job->id, Event::halt, [reason](Job& j) { j.message = reason; });
+    save_memory(*one);
   }
   changed();
+}
+
+void Runner::show_upload(Job& job) {
+  if (job.location == job.input) return;
+  std::error_code error;
+  if (identify(job.location)) {
+    job.input = free_name(job.input);
+    fs::rename(job.location, job.input, error);
+  }
+  if (!error && identify(job.input) == job.file) {
+    job.location = job.input;
+    try {
+      s_.store.save(job);
+    } catch (const StoreError& failure) {  // the next start finds the file by its new name
+      s_.log.error("store", {{"job", std::to_string(job.id)}, {"reason", failure.what()}});
+    }
+  }
 }
 
 JobId Runner::add(const fs::path& upload, const std::string& name, const JobOptions& options,
@@ -165,18 +180,17 @@ JobId Runner::add(const fs::path& upload, const std::string& name, const JobOpti
   job.printer = one.name();
   job.folder = to.parent_path();
   job.input = to;
-  job.location = to;
+  job.location = upload;
   job.file = *id;
   job.options = options;
   job.copies = std::max(1, options.copies);
   job.received = utc_now();
+  // The row first, with the hidden upload as its file: whatever comes between this and the new name, the job
+  // is there once, with its options. start() finishes what is left undone.
   auto change = s_.store.begin();
   s_.store.insert(job);
-  // Before the commit: a row without a file would only fail, a file without a row would lose its options.
-  std::error_code error;
-  fs::rename(upload, to, error);
-  if (error) throw CommandError("cannot put the file at " + to.string() + ": " + error.message());
   change.commit();
+  show_upload(job);
   s_.log.info("received", {{"job", std::to_string(job.id)}, {"file", to.string()}, {"printer", job.printer}});
   const JobId out = job.id;
   jobs_.emplace(out, std::move(job));

@@ -11,15 +11,11 @@ void Runner::on_printer_event(Printer& printer, const fw::Event& event) {
   const auto& what = event.what;
   if (std::holds_alternative<fw::Connected>(what)) {
     s_.log.info("connected", {{"printer", printer.name()}, {"firmware", printer.memory.firmware}});
-    try {
-      s_.store.save_printer(printer.name(), printer.memory);
-    } catch (const StoreError& error) {
-      s_.log.error("store", {{"reason", error.what()}});
-    }
-    if (std::exchange(printer.cool_down, false)) {
+    if (!job && std::exchange(printer.memory.may_be_hot, false)) {
       s_.log.warning("heaters_off", {{"printer", printer.name()}, {"reason", "a print was cut off"}});
       for (const char* line : {"M104 S0", "M140 S0", "M107"}) printer.command(line);
     }
+    save_memory(printer);
     want_schedule();
   } else if (const auto* down = std::get_if<fw::Disconnected>(&what)) {
     s_.log.warning("disconnected", {{"printer", printer.name()}, {"reason", down->reason}});
@@ -39,7 +35,7 @@ void Runner::on_printer_event(Printer& printer, const fw::Event& event) {
   } else if (const auto* paused = std::get_if<fw::Paused>(&what)) {
     const std::string why =
         paused->reason.empty() ? paused->by_printer ? "paused by the printer" : "" : paused->reason;
-    happen(*job, Event::printer_paused, [&](Job& j) { j.message = why; });
+    happen(*job, Event::printer_paused, [why](Job& j) { j.message = why; });
   } else if (std::holds_alternative<fw::Resumed>(what)) {
     happen(*job, Event::printer_resumed, [](Job& j) { j.message.clear(); });
   } else {
@@ -57,7 +53,10 @@ void Runner::on_print_end(Printer& printer, const fw::Event& event) {
   if (!finished && !failed && !down && !cancelled) return;
   if (found != jobs_.end()) {
     const Job& job = found->second;
-    printer.cool_down = printer.cool_down || down != nullptr;
+    if (printer.record && printer.timer()) {
+      take_times(*printer.record, *printer.timer());
+      ended_records_[id] = *printer.record;
+    }
     if (finished) {
       const bool last = job.copies_done + 1 >= job.copies;
       happen(id, last ? Event::finished_last : Event::finished_copy, [](Job& j) {
@@ -71,7 +70,7 @@ void Runner::on_print_end(Printer& printer, const fw::Event& event) {
     } else {
       const std::string why =
           failed ? failed->reason : "the connection to the printer was lost: " + down->reason;
-      happen(id, Event::print_failed, [&](Job& j) {
+      happen(id, Event::print_failed, [why](Job& j) {
         if (j.state != State::cancelling) j.message = why;
       });
     }
@@ -100,19 +99,21 @@ void Runner::on_prepared(JobId id, PrepareResult result) {
   want_schedule();
   const auto found = jobs_.find(id);
   if (found == jobs_.end() || found->second.state != State::preparing) return;  // cancelled meanwhile
-  switch (result.kind) {
+  // An edit may be repeated later, when this call is long over: it owns what it needs.
+  const auto prepared = std::make_shared<const PrepareResult>(std::move(result));
+  switch (prepared->kind) {
     case PrepareResult::Kind::prepared:
-      happen(id, Event::prepared, [&](Job& job) {
-        job.facts = std::move(result.facts);
-        job.copies = result.copies;
+      happen(id, Event::prepared, [this, prepared](Job& job) {
+        job.facts = prepared->facts;
+        job.copies = prepared->copies;
         job.message = job.facts.why;
         correct(job, job.facts);
       });
       break;
     case PrepareResult::Kind::failed:
-      happen(id, Event::prepare_failed, [&](Job& job) {
-        job.facts = std::move(result.facts);
-        job.message = result.message;
+      happen(id, Event::prepare_failed, [prepared](Job& job) {
+        job.facts = prepared->facts;
+        job.message = prepared->message;
       });
       break;
     case PrepareResult::Kind::unsettled:

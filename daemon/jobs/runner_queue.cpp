@@ -25,15 +25,15 @@ void Runner::schedule() {
 void Runner::schedule_printer(Printer& printer) {
   const auto queue = queue_of(printer.name());
   for (std::size_t i = 1; i < queue.size(); ++i) {
-    if (queue[i]->state == State::waiting_bed) happen(queue[i]->id, Event::turn_lost);
+    if (queue[i]->state == State::waiting_bed) decide(queue[i]->id, Event::turn_lost);
   }
   if (queue.empty() || printer.busy() || job_on(printer)) return;
   const JobId id = queue.front()->id;
-  if (queue.front()->state == State::ready) happen(id, Event::turn);
+  if (queue.front()->state == State::ready) decide(id, Event::turn);
   const auto head = jobs_.find(id);
   if (head == jobs_.end() || head->second.state != State::waiting_bed) return;
   if (!printer.connected() || !printer.memory.bed_clear || !printer.memory.held.empty()) return;
-  happen(id, Event::bed_clear, [](Job& job) { job.message.clear(); });
+  decide(id, Event::bed_clear, [](Job& job) { job.message.clear(); });
 }
 
 void Runner::schedule_prepare() {
@@ -56,7 +56,7 @@ void Runner::schedule_prepare() {
   task.gcode_out = gcode_of(next->id);
   task.printer = find_printer(next->printer)->config();
   task.orient = config_.orient;
-  happen(task.job, Event::prepare_begun, [](Job& job) { job.message.clear(); });
+  decide(task.job, Event::prepare_begun, [](Job& job) { job.message.clear(); });
   const auto found = jobs_.find(task.job);
   if (found == jobs_.end() || found->second.state != State::preparing) return;
   preparing_ = {task.job, "", 0};
@@ -78,7 +78,7 @@ void Runner::take(const StableFile& file) {
       return;
     }
     if (job.location == file.path && queued(job.state)) {
-      happen(id, Event::input_changed, [&](Job& changed_job) {
+      happen(id, Event::input_changed, [file](Job& changed_job) {
         changed_job.file = file.id;
         changed_job.facts = {};
         changed_job.message = "the file was replaced";

@@ -2,7 +2,8 @@ CREATE TABLE IF NOT EXISTS printers (
   name      TEXT PRIMARY KEY,
   bed_clear INTEGER NOT NULL DEFAULT 0,   -- 0 until a person or auto_clear says otherwise
   held      TEXT NOT NULL DEFAULT '',     -- why nothing may start, until the bed is cleared; empty: not held
-  firmware  TEXT NOT NULL DEFAULT ''      -- as it last named itself
+  firmware  TEXT NOT NULL DEFAULT '',     -- as it last named itself
+  may_be_hot INTEGER NOT NULL DEFAULT 0   -- a print was cut off: heaters off at the next connection
 );
 
 CREATE TABLE IF NOT EXISTS jobs (

@@ -57,7 +57,7 @@ JobId job_in(const Json& body) {
 class Incoming {
  public:
   explicit Incoming(const std::filesystem::path& folder)
-      : path_((folder / ".voidpath-upload-XXXXXX").string()), fd_(::mkostemp(path_.data(), O_CLOEXEC)) {
+      : path_((folder / (std::string(kUploadPrefix) + "XXXXXX")).string()), fd_(::mkostemp(path_.data(), O_CLOEXEC)) {
     if (fd_ < 0) {
       throw CommandError("cannot write into " + folder.string() + ": " +
                          std::generic_category().message(errno));
