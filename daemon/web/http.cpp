@@ -80,11 +80,15 @@ HttpServer::HttpServer(const std::string& listen, Handler handler, std::string u
   server.set_read_timeout(60, 0);
   server.Post(upload_path, [upload](const httplib::Request& request, httplib::Response& response,
                                     const httplib::ContentReader& reader) {
+    bool read = false;
     answer(upload(convert(request),
                   [&](const Sink& sink) {
+                    read = true;
                     return reader([&](const char* data, std::size_t size) { return sink(data, size); });
                   }),
            response);
+    // A refusal reaches the sender only when it has got rid of its file: bytes left unread reset the connection.
+    if (!read) reader([](const char*, std::size_t) { return true; });
   });
   const auto plain = [handler](const httplib::Request& request, httplib::Response& response) {
     if (request.body.size() > kMaxBody) {
