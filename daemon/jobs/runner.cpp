@@ -74,12 +74,14 @@ void Runner::drop_stray_uploads() const {
   for (const auto& printer : printers_)
     for (const auto& folder : printer->config().watch) {
       std::error_code error;
-      for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+      for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end;
+           it.increment(error)) {
         const auto& path = it->path();
         const bool held = std::any_of(jobs_.begin(), jobs_.end(),
                                       [&](const auto& entry) { return entry.second.location == path; });
         std::error_code ignored;
-        if (!held && path.filename().string().starts_with(kUploadPrefix)) std::filesystem::remove(path, ignored);
+        if (!held && path.filename().string().starts_with(kUploadPrefix))
+          std::filesystem::remove(path, ignored);
       }
     }
 }
@@ -152,7 +154,8 @@ void Runner::commit(const Job& before, Job& after, const Transition& step) {
     auto change = s_.store.begin();
     if (printer && has(step.effects, Effect::soil_bed)) printer->memory.bed_clear = false;
     // Only an end that the printer took part in is known to have left it cool.
-    const bool cooled = after.state == State::done || after.state == State::cancelled || after.state == State::ready;
+    const bool cooled =
+        after.state == State::done || after.state == State::cancelled || after.state == State::ready;
     if (printer && on_printer(before.state) && cooled) printer->memory.may_be_hot = false;
     if (printer && has(step.effects, Effect::start_print)) {
       printer->memory.may_be_hot = true;

@@ -33,6 +33,10 @@ void Runner::schedule_printer(Printer& printer) {
   const auto head = jobs_.find(id);
   if (head == jobs_.end() || head->second.state != State::waiting_bed) return;
   if (!printer.connected() || !printer.memory.bed_clear || !printer.memory.held.empty()) return;
+  if (!identify(head->second.location)) {
+    happen(id, Event::cancel, [](Job& job) { job.message = "its file was taken out of the folder"; });
+    return;
+  }
   decide(id, Event::bed_clear, [](Job& job) { job.message.clear(); });
 }
 

@@ -1,7 +1,7 @@
-#include <catch2/catch.hpp>
-
 #include "daemon/jobs/database.h"
 #include "tests/daemon/fakes.h"
+
+#include <catch2/catch.hpp>
 
 /// What happens while nothing can be written: the disk is full for a while.
 namespace voidpath::test {
@@ -23,8 +23,8 @@ class FullDisk {
       database_.execute(sql);
   }
   ~FullDisk() {
-    for (const char* sql : {"DROP TRIGGER full1", "DROP TRIGGER full2", "DROP TRIGGER full3", "DROP TRIGGER full4",
-                            "DROP TRIGGER full5"})
+    for (const char* sql : {"DROP TRIGGER full1", "DROP TRIGGER full2", "DROP TRIGGER full3",
+                            "DROP TRIGGER full4", "DROP TRIGGER full5"})
       database_.execute(sql);
   }
   FullDisk(const FullDisk&) = delete;

@@ -367,6 +367,18 @@ TEST_CASE("a file that turns out to be in the making goes back to settling") {
   CHECK(rig.runner->queue().size() == 1);
 }
 
+TEST_CASE("a file taken out of the folder before its turn is not printed") {
+  RunnerRig rig;
+  rig.connect();
+  const auto file = rig.drop("a.stl");
+  REQUIRE(rig.reaches("a.stl", State::waiting_bed));
+  fs::remove(file);
+  rig.runner->bed_clear("");
+  rig.loop.run();
+  CHECK(rig.printer.count("print") == 0);
+  CHECK(rig.runner->queue().empty());
+}
+
 TEST_CASE("the queue can be reordered, and remembers it") {
   RunnerRig rig;
   for (const char* name : {"a.stl", "b.stl", "c.stl"}) rig.drop(name);
