@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -62,8 +63,8 @@ struct JobOverrides {
   std::string method;    ///< "" or an orientation method, "as-delivered" included
   std::string material;
   std::string quality;
-  double scale = 1.0;
-  int copies = 1;
+  std::optional<double> scale;  ///< empty: not said
+  std::optional<int> copies;    ///< empty: not said
   std::vector<std::pair<std::string, std::string>> set;  ///< as --set
 };
 
@@ -72,6 +73,10 @@ struct JobOverrides {
 std::vector<std::filesystem::path> search_path();
 /// $VOIDPATH_CONFIG, then ~/.config/voidpath/voidpath.yaml, then /etc/voidpath/voidpath.yaml; empty: none.
 std::filesystem::path default_config_file();
+
+/// Refuses watched folders in which a dropped file would be met twice: one that is watched already, also by
+/// another name, and the `done` or `failed` of a watched one. Throws ConfigError that names both.
+void check_folders(const DaemonConfig& config);
 
 /// Throws ConfigError.
 DaemonConfig load_daemon(const std::filesystem::path& file);

@@ -62,17 +62,30 @@ void read_printer(Reader& r, PrinterConfig& p, const fs::path& base) {
 
 void check_printers(const DaemonConfig& c) {
   std::set<std::string> names, ports;
-  std::set<fs::path> folders;
   for (const PrinterConfig& p : c.printers) {
     const std::string place = c.file.string() + ": printers: ";
     if (!names.insert(p.name).second) throw ConfigError(place + "two printers are called '" + p.name + "'");
     if (!ports.insert(p.port).second) throw ConfigError(place + "two printers use " + p.port);
-    for (const fs::path& w : p.watch)
-      if (!folders.insert(w.lexically_normal()).second)
-        throw ConfigError(place + "the folder " + w.string() + " is watched twice");
     load_profile(p.profile, p.material, p.quality);
   }
+  check_folders(c);
 }
+
+/// The folder itself, whatever links lead to it; it need not exist yet.
+fs::path real_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::path out = fs::absolute(folder, error);
+  if (error) out = folder;
+  const fs::path real = fs::weakly_canonical(out, error);
+  out = error ? out.lexically_normal() : real;
+  return out.has_filename() || !out.has_relative_path() ? out : out.parent_path();
+}
+
+struct WatchedFolder {
+  std::string printer;
+  fs::path as_given;
+  fs::path real;
+};
 
 }  // namespace
 
@@ -84,6 +97,28 @@ fs::path default_config_file() {
     if (dir == "/etc/voidpath") break;  // behind it come the examples we ship, which are nobody's choice
   }
   return {};
+}
+
+void check_folders(const DaemonConfig& config) {
+  const std::string place = config.file.empty() ? "" : config.file.string() + ": printers: ";
+  std::vector<WatchedFolder> folders;
+  for (const PrinterConfig& p : config.printers)
+    for (const fs::path& w : p.watch) {
+      const fs::path real = real_folder(w);
+      for (const WatchedFolder& other : folders)
+        if (other.real == real)
+          throw ConfigError(place + "the folder " + w.string() + " of " + p.name +
+                            " is watched twice: it is the same as " + other.as_given.string() + " of " +
+                            other.printer);
+      folders.push_back({p.name, w, real});
+    }
+  for (const WatchedFolder& from : folders)
+    for (const char* name : {"done", "failed"})
+      for (const WatchedFolder& to : folders)
+        if (to.real == real_folder(from.as_given / name))
+          throw ConfigError(place + "the folder " + to.as_given.string() + " of " + to.printer +
+                            " is where files from " + from.as_given.string() + " of " + from.printer +
+                            " are put when they are " + name + ": they would be printed again");
 }
 
 DaemonConfig load_daemon(const fs::path& file) {
@@ -122,8 +157,8 @@ JobOverrides load_overrides(const fs::path& file) {
   if (as_delivered) o.method = "as-delivered";
   r.text("material", o.material);
   r.text("quality", o.quality);
-  r.number("scale", o.scale, {1e-6, 1e6});
-  r.integer("copies", o.copies, {1, 1000});
+  if (r.has("scale")) r.number("scale", o.scale.emplace(), {1e-6, 1e6});
+  if (r.has("copies")) r.integer("copies", o.copies.emplace(), {1, 1000});
   if (r.has("set"))
     for (const Tree::Entry& e : tree.map) {
       if (e.key != "set") continue;

@@ -93,20 +93,14 @@ config::DaemonConfig with_plain_paths(config::DaemonConfig config) {
 void check_config(const config::DaemonConfig& config) {
   const std::string where = config.file.empty() ? "" : config.file.string() + ": ";
   std::set<std::string> names;
-  std::set<fs::path> folders;
   for (const auto& printer : config.printers) {
     if (!names.insert(printer.name).second) {
       throw config::ConfigError(where + "two printers are called " + printer.name +
                                 ": give each its own name");
     }
-    for (const auto& folder : printer.watch) {
-      if (!folders.insert(folder).second) {
-        throw config::ConfigError(where + folder.string() +
-                                  " is watched twice: a folder belongs to one printer");
-      }
-    }
     port_options(printer);
   }
+  config::check_folders(config);
   try {
     split_address(config.listen);
   } catch (const std::invalid_argument& error) {

@@ -65,6 +65,44 @@ fs::path find_moved(const fs::path& folder, const FileId& id) {
   return {};
 }
 
+bool is_there(const fs::path& file) {
+  std::error_code error;
+  return fs::exists(fs::symlink_status(file, error));
+}
+
+template <typename Taken>
+fs::path numbered(const fs::path& wanted, Taken&& taken) {
+  fs::path out = wanted;
+  for (int n = 2; taken(out); ++n) {
+    out = wanted.parent_path() /
+          (wanted.stem().string() + "-" + std::to_string(n) + wanted.extension().string());
+  }
+  return out;
+}
+
+fs::path report_of(const fs::path& input) { return input.string() + ".report.json"; }
+
+/// Null if there is none that can be read.
+Json report_beside(const fs::path& input) {
+  std::ifstream in(report_of(input), std::ios::binary);
+  if (!in) return {};
+  try {
+    return Json::parse(std::string(std::istreambuf_iterator<char>(in), {}));
+  } catch (const JsonError&) {
+    return {};
+  }
+}
+
+/// A name that neither an input has nor the reports of another print; this print's own may be written again.
+fs::path free_for_report(const fs::path& wanted, const PrintRecord& record) {
+  return numbered(wanted, [&](const fs::path& name) {
+    if (is_there(name)) return true;
+    if (!is_there(report_of(name))) return false;
+    const Json report = report_beside(name);
+    return report["job"].integer(-1) != record.job || report["id"].integer(-1) != record.id;
+  });
+}
+
 }  // namespace
 
 Json history_json(const PrintRecord& record) {
@@ -119,23 +157,19 @@ std::string history_csv(const PrintRecord& record) {
   return out;
 }
 
-fs::path free_name(const fs::path& wanted) {
-  std::error_code error;
-  fs::path out = wanted;
-  for (int n = 2; fs::exists(fs::symlink_status(out, error)); ++n) {
-    out = wanted.parent_path() /
-          (wanted.stem().string() + "-" + std::to_string(n) + wanted.extension().string());
-  }
-  return out;
+std::string name_when_dropped(const fs::path& input) {
+  return report_beside(input)["file"].text(input.filename().string());
 }
+
+fs::path free_name(const fs::path& wanted) { return numbered(wanted, is_there); }
 
 void file_input(Job& job, const std::string& subfolder, const PrintRecord& record) {
   const fs::path target = job.folder / subfolder;
   fs::create_directories(target);
-  fs::path reported = target / job.file_name();
+  fs::path reported;
   if (identify(job.location) == job.file) {
     if (job.location.parent_path() != target) {
-      const fs::path to = free_name(reported);
+      const fs::path to = free_for_report(target / job.file_name(), record);
       fs::rename(job.location, to);
       job.location = to;
     }
@@ -143,6 +177,8 @@ void file_input(Job& job, const std::string& subfolder, const PrintRecord& recor
   } else if (const fs::path moved = find_moved(target, job.file); !moved.empty()) {
     job.location = moved;
     reported = moved;
+  } else {
+    reported = free_for_report(target / job.file_name(), record);
   }
   Json report = history_json(record);
   report.set("as_delivered", Json::object()
@@ -152,7 +188,7 @@ void file_input(Job& job, const std::string& subfolder, const PrintRecord& recor
   Json notes = Json::array();
   for (const auto& note : record.facts.notes) notes.push(note);
   report.set("notes", std::move(notes));
-  write_file(reported.string() + ".report.json", report.dump(2) + "\n");
+  write_file(report_of(reported), report.dump(2) + "\n");
   write_file(reported.string() + ".report.txt", report_text(job, record));
 }
 

@@ -1,5 +1,6 @@
 #include "config/digest.h"
 #include "daemon/intake/file_checks.h"
+#include "daemon/jobs/filing.h"
 #include "daemon/jobs/prepare_worker.h"
 #include "engine/gcode/estimate.h"
 #include "engine/pipeline/prepare.h"
@@ -23,18 +24,32 @@ void lay_over(config::JobOverrides& base, const config::JobOverrides& nearer) {
   if (!nearer.method.empty()) base.method = nearer.method;
   if (!nearer.material.empty()) base.material = nearer.material;
   if (!nearer.quality.empty()) base.quality = nearer.quality;
-  if (nearer.scale != 1.0) base.scale = nearer.scale;
-  if (nearer.copies != 1) base.copies = nearer.copies;
+  if (nearer.scale) base.scale = nearer.scale;
+  if (nearer.copies) base.copies = nearer.copies;
   base.set.insert(base.set.end(), nearer.set.begin(), nearer.set.end());
+}
+
+/// The model's own override file: beside it where it is now, else where it was dropped, under the name it had
+/// there; an input that is tried again lies in `failed` or `done`. Empty if there is none.
+fs::path own_overrides(const PrepareTask& task) {
+  const auto named = [](const fs::path& folder, const fs::path& model) {
+    return folder / (model.stem().string() + ".voidpath.yaml");
+  };
+  std::error_code error;
+  for (const auto& file :
+       {named(task.input.parent_path(), task.input), named(task.folder, name_when_dropped(task.input))}) {
+    if (fs::exists(file, error)) return file;
+  }
+  return {};
 }
 
 config::JobOverrides overrides_for(const PrepareTask& task) {
   config::JobOverrides out;
-  const fs::path beside = task.input.parent_path() / (task.input.stem().string() + ".voidpath.yaml");
   std::error_code error;
-  for (const auto& file : {task.folder / ".voidpath.yaml", beside}) {
-    if (fs::exists(file, error)) lay_over(out, config::load_overrides(file));
+  if (const auto file = task.folder / ".voidpath.yaml"; fs::exists(file, error)) {
+    lay_over(out, config::load_overrides(file));
   }
+  if (const auto file = own_overrides(task); !file.empty()) lay_over(out, config::load_overrides(file));
   if (!task.options.method.empty()) out.method = task.options.method;
   if (task.options.scale > 0) out.scale = task.options.scale;
   if (task.options.copies > 0) out.copies = task.options.copies;
@@ -86,7 +101,7 @@ void take_choice(JobFacts& facts, const orient::Choice& choice) {
 void prepare_model(const PrepareTask& task, const config::JobOverrides& overrides,
                    const config::Profile& profile, const run::Context& ctx, JobFacts& facts) {
   pipeline::PrepareOptions options;
-  options.import.scale = overrides.scale;
+  options.import.scale = overrides.scale.value_or(1.0);
   options.orient = config::search_options(task.orient, profile);
   if (!overrides.method.empty()) {
     const auto method = orient::method_from(overrides.method);
@@ -117,7 +132,7 @@ PrepareResult run_task(const PrepareTask& task, const run::Context& ctx) {
   PrepareResult result;
   fs::create_directories(task.gcode_out.parent_path());
   const auto overrides = overrides_for(task);
-  result.copies = std::max(1, overrides.copies);
+  result.copies = overrides.copies.value_or(1);
   auto& facts = result.facts;
   facts.model_sha256 = config::sha256_of_file(task.input);
   const auto profile = config::load_profile(

@@ -155,6 +155,33 @@ TEST_CASE("a daemon configuration is checked as a whole") {
   CHECK(c.printers[0].watch[0] == scratch.dir / "in");
 }
 
+TEST_CASE("no folder is watched in which a file would be met twice") {
+  const Scratch scratch;
+  const auto load = [&](const std::string& left, const std::string& right) {
+    return error_of([&] {
+      load_daemon(scratch.write(
+          "v.yaml", "printers:\n  - {name: left, profile: generic-marlin, port: /dev/ttyUSB0, watch: [" + left +
+                        "]}\n  - {name: right, profile: generic-marlin, port: /dev/ttyUSB1, watch: [" + right +
+                        "]}\n"));
+    });
+  };
+  fs::create_directories(scratch.dir / "in/failed");
+  fs::create_directories(scratch.dir / "kept");
+  fs::create_directories(scratch.dir / "other");
+  fs::create_directory_symlink(scratch.dir / "in", scratch.dir / "link");
+  fs::create_directory_symlink(scratch.dir / "kept", scratch.dir / "other/done");
+  CHECK(load("in", "other").empty());
+  CHECK(load("in", "in/sub, donee, kept").empty());
+  CHECK_THAT(load("in", "link"), Catch::Contains("link of right is watched twice") && Catch::Contains("in of left"));
+  CHECK_THAT(load("link/new", "in/new/"), Catch::Contains("watched twice"));
+  for (const std::string name : {"done", "failed"}) {
+    CHECK_THAT(load("in", "in/" + name), Catch::Contains("in/" + name + " of right is where"));
+    CHECK_THAT(load("in/" + name, "link/"), Catch::Contains("in/" + name + " of left is where"));
+    CHECK_THAT(load("in, in/" + name, "other"), Catch::Contains("printed again"));
+  }
+  CHECK_THAT(load("kept", "other"), Catch::Contains("kept of left") && Catch::Contains("when they are done"));
+}
+
 TEST_CASE("what stands beside a model is read") {
   const Scratch scratch;
   const JobOverrides o = load_overrides(scratch.write(
@@ -165,7 +192,13 @@ TEST_CASE("what stands beside a model is read") {
   CHECK(o.copies == 3);
   REQUIRE(o.set.size() == 1);
   CHECK(o.set[0] == std::pair<std::string, std::string>("slice.perimeters", "5"));
-  CHECK(load_overrides(scratch.write("n.voidpath.yaml", "as_delivered: true\n")).method == "as-delivered");
+  const JobOverrides other = load_overrides(scratch.write("n.voidpath.yaml", "as_delivered: true\n"));
+  CHECK(other.method == "as-delivered");
+  CHECK_FALSE(other.scale.has_value());
+  CHECK_FALSE(other.copies.has_value());
+  const JobOverrides ones = load_overrides(scratch.write("1.voidpath.yaml", "scale: 1\ncopies: 1\n"));
+  CHECK(ones.scale == 1.0);
+  CHECK(ones.copies == 1);
   CHECK_THAT(error_of([&] { load_overrides(scratch.write("o.voidpath.yaml", "methd: thesis\n")); }),
              Catch::Contains("did you mean 'method'"));
 }

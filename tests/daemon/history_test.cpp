@@ -74,6 +74,52 @@ TEST_CASE("an input that was moved by a run that then ended is found, and report
   CHECK_FALSE(std::filesystem::exists(dir / "inbox/done/a-2.stl"));
 }
 
+TEST_CASE("reports of a replaced input leave those of the first print alone") {
+  voidpath::test::TempDir dir;
+  const auto job_of = [&](JobId id) {
+    Job job;
+    job.id = id;
+    job.folder = dir / "inbox";
+    job.input = job.location = dir / "inbox/a.stl";
+    job.state = State::done;
+    return job;
+  };
+  const auto record_of = [](JobId id) {
+    auto record = full();
+    record.id = 10 * id;
+    record.job = id;
+    record.file = "a.stl";
+    return record;
+  };
+  const auto reported = [&](const std::string& name) {
+    const auto text = voidpath::test::read_all(dir / ("inbox/done/" + name + ".report.json"));
+    return text.empty() ? 0 : Json::parse(text)["job"].integer();
+  };
+  const auto present = [&](JobId id) {
+    dir.write("inbox/a.stl", std::string(static_cast<std::size_t>(id), 'x'));
+    Job job = job_of(id);
+    job.file = *identify(job.input);
+    return job;
+  };
+  Job first = present(1);
+  file_input(first, "done", record_of(1));
+  CHECK(first.location == dir / "inbox/done/a.stl");
+  Job replaced = job_of(2);  // its file is nowhere any more
+  file_input(replaced, "done", record_of(2));
+  file_input(replaced, "done", record_of(2));  // a run that ended before it was noted down
+  CHECK(reported("a.stl") == 1);
+  CHECK(reported("a-2.stl") == 2);
+  CHECK(reported("a-3.stl") == 0);
+  CHECK(std::filesystem::exists(dir / "inbox/done/a-2.stl.report.txt"));
+  Job third = present(3);  // must not take the name whose reports are the second's
+  file_input(third, "done", record_of(3));
+  CHECK(third.location == dir / "inbox/done/a-3.stl");
+  CHECK(reported("a-2.stl") == 2);
+  CHECK(reported("a-3.stl") == 3);
+  CHECK(name_when_dropped(third.location) == "a.stl");
+  CHECK(name_when_dropped(dir / "inbox/other.stl") == "other.stl");
+}
+
 TEST_CASE("JSON text survives a round trip, strange characters too") {
   const std::string odd = "tab\t quote\" back\\ line\n ü 😀 \x01";
   Json json = Json::object().set("text", odd).set("whole", std::int64_t{1} << 60).set("real", 0.1);
