@@ -1,0 +1,52 @@
+#include "daemon/jobs/prepare_worker.h"
+#include "tests/daemon/temp_dir.h"
+
+#include <catch2/catch.hpp>
+
+using namespace voidpath::daemon;
+
+namespace {
+
+/// Ready G-code in a watched folder, as overrides see it.
+struct Inbox {
+  voidpath::test::TempDir dir;
+
+  PrepareResult prepare(const std::string& input, const JobOptions& options = {}) const {
+    PrepareTask task;
+    task.input = dir.write("inbox/" + input, "G28\nG1 X10 Y10 E1 F1200\n");
+    task.file = *identify(task.input);
+    task.options = options;
+    task.folder = dir / "inbox";
+    task.gcode_out = dir / "state/1/print.gcode";
+    task.printer.profile = "generic-marlin";
+    auto result = prepare_input(task, {});
+    INFO(result.message);
+    CHECK(result.kind == PrepareResult::Kind::prepared);
+    return result;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("the nearest override counts, also when it says one") {
+  const Inbox inbox;
+  inbox.dir.write("inbox/.voidpath.yaml", "copies: 5\n");
+  inbox.dir.write("inbox/a.voidpath.yaml", "copies: 1\nscale: 1\n");
+  inbox.dir.write("inbox/c.voidpath.yaml", "method: thesis\n");
+  CHECK(inbox.prepare("a.gcode").copies == 1);
+  CHECK(inbox.prepare("b.gcode").copies == 5);
+  CHECK(inbox.prepare("c.gcode").copies == 5);
+  CHECK(inbox.prepare("b.gcode", {"", 0, 1}).copies == 1);
+}
+
+TEST_CASE("what stood beside a file counts when it is tried again from another folder") {
+  const Inbox inbox;
+  inbox.dir.write("inbox/a.voidpath.yaml", "copies: 3\n");
+  CHECK(inbox.prepare("failed/a.gcode").copies == 3);
+  // A second of that name was moved under another one; its report knows.
+  inbox.dir.write("inbox/failed/a-2.gcode.report.json", "{\"file\": \"a.gcode\"}\n");
+  CHECK(inbox.prepare("failed/a-2.gcode").copies == 3);
+  CHECK(inbox.prepare("failed/a-3.gcode").copies == 1);
+  inbox.dir.write("inbox/failed/a.voidpath.yaml", "copies: 2\n");
+  CHECK(inbox.prepare("failed/a.gcode").copies == 2);
+}
