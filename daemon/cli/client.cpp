@@ -1,6 +1,7 @@
 #include "daemon/cli/client.h"
 
 #include "config/config.h"
+#include "daemon/jobs/job_options.h"
 #include "daemon/web/http.h"
 
 #include <charconv>
@@ -12,14 +13,13 @@ namespace {
 using daemon::HttpResponse;
 using daemon::Json;
 
-template <typename T>
-T number(const std::string& flag, const std::string& text) {
-  T value{};
-  const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (read.ec != std::errc() || read.ptr != text.data() + text.size() || !(value > 0)) {
-    throw ClientError(kUsage, flag + " wants a number above 0, not \"" + text + "\"");
+template <typename Read>
+auto option(const std::string& flag, const std::string& text, Read&& read) {
+  try {
+    return read(text);
+  } catch (const std::invalid_argument& wrong) {
+    throw ClientError(kUsage, flag + ": " + wrong.what());
   }
-  return value;
 }
 
 std::string address_from(const ClientFlags& flags) {
@@ -78,16 +78,16 @@ ClientFlags parse_client(const std::string& command, const std::vector<std::stri
       flags.json = true;
     else if (arg == "--csv" && command == "history")
       flags.csv = true;
-    else if ((arg == "-f" || arg == "--follow") && command == "logs")
+    else if ((arg == "-f" || arg == "--follow") && (command == "logs" || command == "watch"))
       flags.follow = true;
     else if (arg == "--as-delivered" && command == "add")
       flags.as_delivered = true;
     else if (arg == "--method" && command == "add")
-      flags.method = value();
+      flags.method = option(arg, value(), daemon::read_method);
     else if (arg == "--copies" && command == "add")
-      flags.copies = number<int>(arg, value());
+      flags.copies = option(arg, value(), daemon::read_copies);
     else if (arg == "--scale" && command == "add")
-      flags.scale = number<double>(arg, value());
+      flags.scale = option(arg, value(), daemon::read_scale);
     else if (arg.size() > 1 && arg[0] == '-')
       throw ClientError(kUsage, command + ": do not know " + arg);
     else
@@ -96,7 +96,14 @@ ClientFlags parse_client(const std::string& command, const std::vector<std::stri
   return flags;
 }
 
-std::int64_t parse_job(const std::string& text) { return number<std::int64_t>("JOB", text); }
+std::int64_t parse_job(const std::string& text) {
+  std::int64_t value = 0;
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (read.ec != std::errc() || read.ptr != text.data() + text.size() || value <= 0) {
+    throw ClientError(kUsage, "JOB wants a number above 0, not \"" + text + "\"");
+  }
+  return value;
+}
 
 DaemonClient::DaemonClient(const ClientFlags& flags) : address_(address_from(flags)) {
   try {

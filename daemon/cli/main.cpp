@@ -15,7 +15,7 @@ Without daemon or printer:
   orient MODEL               choose the orientation        slice MODEL -o OUT.gcode   make G-code
   estimate FILE.gcode        time G-code                   check MODEL                can it be printed
   evaluate DIR --out DIR     compare methods               weights DIR --out FILE     find the weights
-  profile import|list|show   profiles
+  profile list|show          profiles
 
 With the daemon (--config FILE or --host HOST:PORT say where it is; --printer NAME where there are several):
   status [--json]            what goes on                  queue                      what is to be printed

@@ -1,11 +1,11 @@
+#include "daemon/cli/flags.h"
+#include "daemon/cli/offline.h"
+
 #include <chrono>
 #include <cstdio>
 #include <iostream>
 
 #include <nlohmann/json.hpp>
-
-#include "daemon/cli/flags.h"
-#include "daemon/cli/offline.h"
 
 namespace voidpath::cli {
 
@@ -30,7 +30,8 @@ int slice_command(const std::vector<std::string>& args) {
   if (!direction.empty()) {
     const auto d = numbers_from("--direction", direction, 3);
     s.options.direction = geom::Vec3(d[0], d[1], d[2]);
-    if (s.options.direction->norm() < 1e-9) throw UsageError("--direction " + direction + ": it has no length");
+    if (s.options.direction->norm() < 1e-9)
+      throw UsageError("--direction " + direction + ": it has no length");
     s.options.direction->normalize();
   }
   const auto begin = std::chrono::steady_clock::now();
@@ -44,7 +45,7 @@ int slice_command(const std::vector<std::string>& args) {
                                       {"direction", {d.x(), d.y(), d.z()}},
                                       {"layers", p.stats.layers},
                                       {"predicted_s", p.estimate.predicted_s},
-                                      {"filament_mm", p.stats.filament_mm},
+                                      {"filament_mm", p.estimate.filament_mm},  // the start G-code's too
                                       {"extruded_mm3", p.stats.extruded_mm3},
                                       {"travel_mm", p.stats.travel_mm},
                                       {"retractions", p.stats.retractions},
@@ -54,10 +55,12 @@ int slice_command(const std::vector<std::string>& args) {
     return 0;
   }
   for (const std::string& note : p.model.notes) std::fprintf(stderr, "%s: %s\n", model.c_str(), note.c_str());
-  for (const std::string& fix : p.model.repairs.sentences()) std::fprintf(stderr, "%s: %s\n", model.c_str(), fix.c_str());
-  std::printf("%s: %zu layers, %s predicted, %.2f m of filament, %.1f m of travel, %zu retractions (%.2f s)\n",
-              out.c_str(), p.stats.layers, duration_text(p.estimate.predicted_s).c_str(), p.stats.filament_mm / 1000,
-              p.stats.travel_mm / 1000, p.stats.retractions, elapsed);
+  for (const std::string& fix : p.model.repairs.sentences())
+    std::fprintf(stderr, "%s: %s\n", model.c_str(), fix.c_str());
+  std::printf(
+      "%s: %zu layers, %s predicted, %.2f m of filament, %.1f m of travel, %zu retractions (%.2f s)\n",
+      out.c_str(), p.stats.layers, duration_text(p.estimate.predicted_s).c_str(),
+      p.estimate.filament_mm / 1000, p.stats.travel_mm / 1000, p.stats.retractions, elapsed);
   return 0;
 }
 

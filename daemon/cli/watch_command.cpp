@@ -4,7 +4,9 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <thread>
+#include <utility>
 
 #include <unistd.h>
 
@@ -65,6 +67,19 @@ Scene scene_of(const Json& status, bool by_tenths) {
   return {};
 }
 
+/// Empty while no daemon answers, which is told once: it may be restarted meanwhile.
+std::optional<Json> status_if_any(const DaemonClient& client, bool& lost) {
+  try {
+    Json status = client.get("status");
+    lost = false;
+    return status;
+  } catch (const ClientError& error) {
+    if (error.code() != kUnreachable) throw;
+    if (!std::exchange(lost, true)) std::fprintf(stderr, "voidpath: %s; waiting for it\n", error.what());
+    return std::nullopt;
+  }
+}
+
 }  // namespace
 
 int watch_command(const DaemonClient& client, const ClientFlags& flags) {
@@ -74,18 +89,26 @@ int watch_command(const DaemonClient& client, const ClientFlags& flags) {
   int quiet = 0;
   bool seen = false;
   std::string last;
+  bool answered = false;
+  bool lost = false;
   for (;;) {
-    const Json status = client.get("status");
-    const Scene scene = scene_of(status, !terminal);
+    const std::optional<Json> status =
+        flags.follow && answered ? status_if_any(client, lost) : std::optional(client.get("status"));
+    if (!status) {
+      std::this_thread::sleep_for(kPoll);
+      continue;
+    }
+    answered = true;
+    const Scene scene = scene_of(*status, !terminal);
     if (flags.json) {
-      std::printf("%s\n", status.dump().c_str());
+      std::printf("%s\n", status->dump().c_str());
     } else if (terminal && !scene.line.empty()) {
       // A line of its own for every new state; progress is drawn over.
       std::printf("%s\r\033[K%s", !last.empty() && scene.kind != last ? "\n" : "", scene.line.c_str());
     } else if (!scene.line.empty() && scene.kind != last) {
       std::printf("%s\n", scene.line.c_str());
     }
-    std::fflush(stdout);
+    if (std::fflush(stdout) != 0) return 0;  // nobody reads any more
     last = scene.kind.empty() ? last : scene.kind;
     seen = seen || !scene.line.empty();
     quiet = scene.line.empty() ? quiet + 1 : 0;

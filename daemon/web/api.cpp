@@ -2,6 +2,7 @@
 
 #include "daemon/intake/file_checks.h"
 #include "daemon/jobs/filing.h"
+#include "daemon/jobs/job_options.h"
 #include "daemon/web/page.h"
 
 #include <cerrno>
@@ -53,11 +54,21 @@ JobId job_in(const Json& body) {
   return body["job"].integer();
 }
 
+/// Throws std::invalid_argument.
+JobOptions options_in(const HttpRequest& request) {
+  JobOptions out;
+  if (const auto method = request.query_or("method"); !method.empty()) out.method = read_method(method);
+  if (const auto copies = request.query_or("copies"); !copies.empty()) out.copies = read_copies(copies);
+  if (const auto scale = request.query_or("scale"); !scale.empty()) out.scale = read_scale(scale);
+  return out;
+}
+
 /// A file being uploaded: hidden until it is complete, removed unless it is taken over.
 class Incoming {
  public:
   explicit Incoming(const std::filesystem::path& folder)
-      : path_((folder / (std::string(kUploadPrefix) + "XXXXXX")).string()), fd_(::mkostemp(path_.data(), O_CLOEXEC)) {
+      : path_((folder / (std::string(kUploadPrefix) + "XXXXXX")).string()),
+        fd_(::mkostemp(path_.data(), O_CLOEXEC)) {
     if (fd_ < 0) {
       throw CommandError("cannot write into " + folder.string() + ": " +
                          std::generic_category().message(errno));
@@ -247,11 +258,11 @@ HttpResponse Api::upload(const HttpRequest& request,
     return error(415, "\"" + name + "\" is neither a model (.stl .obj .3mf) nor G-code (.gcode .gco .g .gx)");
   }
   JobOptions options;
-  options.method = request.query_or("method");
-  options.copies =
-      static_cast<int>(std::clamp<std::int64_t>(integer(request.query_or("copies"), 0), 0, 1000));
-  const std::string scale = request.query_or("scale");
-  std::from_chars(scale.data(), scale.data() + scale.size(), options.scale);
+  try {
+    options = options_in(request);
+  } catch (const std::invalid_argument& wrong) {
+    return error(400, wrong.what());
+  }
   const std::string printer = request.query_or("printer");
   try {
     const auto asked = on_loop([this, printer] {

@@ -122,6 +122,13 @@ TEST_CASE("an upload becomes a job in the printer's folder, with its options") {
   CHECK(std::filesystem::exists(web.rig.dir / "inbox/b c-2.stl"));
   CHECK(web.ask([&] { return http_upload(web.address, "/api/v1/files?name=x.exe", file.string()); }).status ==
         415);
+  for (const std::string wrong : {"method=bogus", "copies=0", "copies=1001", "copies=x", "scale=0", "scale=2x"}) {
+    INFO(wrong);
+    CHECK(web.ask([&] {
+                return http_upload(web.address, "/api/v1/files?name=b.stl&" + wrong, file.string());
+              }).status == 400);
+  }
+  CHECK(web.rig.runner->queue().size() == 2);
   std::size_t files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(web.rig.dir / "inbox"))
     files += entry.is_regular_file() ? 1u : 0u;

@@ -64,6 +64,7 @@ TEST_CASE("slice and estimate agree, and --direction is what points up") {
   REQUIRE(e.code == 0);
   const json t = json::parse(e.out);
   CHECK(t.at("predicted_s").get<double>() == Approx(j.at("predicted_s").get<double>()).epsilon(1e-9));
+  CHECK(t.at("filament_mm") == j.at("filament_mm"));
   CHECK(t.at("layers") == 150);
   CHECK(t.at("by_feature").contains("External perimeter"));
 }
