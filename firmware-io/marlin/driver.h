@@ -1,5 +1,6 @@
 #pragma once
 
+#include "firmware-io/dialogue.h"
 #include "firmware-io/flight_recorder.h"
 #include "firmware-io/marlin/codec.h"
 #include "firmware-io/marlin/link.h"
@@ -34,37 +35,30 @@ struct DriverOptions {
   std::vector<std::string> cancel_gcode;
 };
 
-/// Everything between the bytes and the events: handshake, dialogue, print. No thread, no I/O, no clock but
-/// the event stamps; `t` is the steady clock's time. One thread.
-///
-/// opened() begins; received(), elapsed() (at deadline() at the latest) and the commands drive it; output()
-/// is to be written after each call; once closing() holds, the port must be closed and may be opened again.
-class Driver {
+/// The Marlin side of a session: handshake, dialogue, print. See Dialogue.
+class Driver final : public Dialogue {
  public:
   Driver(DriverOptions options, const Clock& stamp, FlightRecorder& recorder,
          std::function<void(const Event&)> handler);
 
-  void opened(double t);
-  void received(std::string_view bytes, double t);
-  void elapsed(double t);
-  double deadline() const noexcept;
-  /// The port is gone, or could not be opened. Reported once for each reason.
-  void lost(const std::string& reason);
+  void opened(double t) override;
+  void received(std::string_view bytes, double t) override;
+  void elapsed(double t) override;
+  double deadline() const noexcept override;
+  void lost(const std::string& reason) override;
 
-  void print(std::unique_ptr<LineSource> source, double t);
-  void pause();
-  void resume(double t);
-  void cancel(const std::string& reason, double t);
-  void halt(const std::string& reason, double t);
-  void command(const std::string& line, double t);
-  /// Ends a print with the heaters first. Afterwards finished() tells when that is through.
-  void shut_down(double t);
-  bool finished() const noexcept { return phase_ == Phase::closed || !job_; }
+  void print(std::unique_ptr<LineSource> source, double t) override;
+  void pause() override;
+  void resume(double t) override;
+  void cancel(const std::string& reason, double t) override;
+  void halt(const std::string& reason, double t) override;
+  void command(const std::string& line, double t) override;
+  void shut_down(double t) override;
+  bool finished() const noexcept override { return phase_ == Phase::closed || !job_; }
 
-  std::string& output() noexcept { return link_.output(); }
-  /// True once after halt(): what was written before and is still on its way should be thrown away.
-  bool take_urgent() noexcept { return std::exchange(urgent_, false); }
-  bool closing() const noexcept { return phase_ == Phase::closed; }
+  std::string& output() noexcept override { return link_.output(); }
+  bool take_urgent() noexcept override { return std::exchange(urgent_, false); }
+  bool closing() const noexcept override { return phase_ == Phase::closed; }
 
  private:
   enum class Phase { closed, booting, greeting, settling, identifying, ready, halted };

@@ -1,219 +1,26 @@
-// The thread of one printer. It opens the port, moves bytes between port and driver, carries out what other
-// threads posted, and reopens a port that went away. It never sleeps but in poll(), never waits on a lock
-// beyond the short one of its mailbox, and no exception leaves it. Whoever owns the PrinterPort commands it.
 #include "firmware-io/marlin/session.h"
 
-#include "firmware-io/flight_recorder.h"
+#include "firmware-io/session.h"
 #include "firmware-io/transport/serial_port.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <deque>
-#include <mutex>
-#include <stdexcept>
-#include <thread>
 #include <utility>
-
-#include <poll.h>
-#include <sys/eventfd.h>
-#include <unistd.h>
 
 namespace voidpath::fw::marlin {
 namespace {
 
 // A wire byte is 10 bits: start, 8 data, stop.
 constexpr double kBitsPerByte = 10;
-// The longest poll(); deadlines come back into view at least so often.
-constexpr double kLongestPoll_s = 3600;
-
-class Session final : public PrinterPort {
- public:
-  Session(SessionOptions options, OpenTransport open, std::shared_ptr<const Clock> clock, Handler handler)
-      : options_(std::move(options)),
-        open_(std::move(open)),
-        clock_(std::move(clock)),
-        steady_(steady_clock()),
-        driver_(options_.driver, *clock_, recorder_, std::move(handler)),
-        wake_fd_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
-    if (wake_fd_ < 0) throw std::runtime_error("cannot create an eventfd");
-    thread_ = std::thread([this] { run(); });
-  }
-
-  ~Session() override {
-    {
-      const std::lock_guard lock(mutex_);
-      stop_ = true;
-    }
-    wake();
-    thread_.join();
-    ::close(wake_fd_);
-  }
-
-  void print(std::unique_ptr<LineSource> source) override {
-    auto shared = std::make_shared<std::unique_ptr<LineSource>>(std::move(source));
-    post([this, shared] { driver_.print(std::move(*shared), now()); });
-  }
-  void pause() override {
-    post([this] { driver_.pause(); });
-  }
-  void resume() override {
-    post([this] { driver_.resume(now()); });
-  }
-  void cancel(std::string reason) override {
-    post([this, reason = std::move(reason)] { driver_.cancel(reason, now()); });
-  }
-  void halt(std::string reason) override {
-    {
-      const std::lock_guard lock(mutex_);
-      posted_.push_front([this, reason = std::move(reason)] { driver_.halt(reason, now()); });
-    }
-    wake();
-  }
-  void command(std::string line) override {
-    post([this, line = std::move(line)] { driver_.command(line, now()); });
-  }
-  std::vector<std::string> dialogue() const override { return recorder_.lines(); }
-
- private:
-  double now() const noexcept { return steady_->now_s(); }
-
-  void wake() noexcept {
-    const std::uint64_t one = 1;
-    // Fails only when the counter is full, that is when a wake-up is pending anyway.
-    [[maybe_unused]] const auto n = ::write(wake_fd_, &one, sizeof one);
-  }
-
-  void post(std::function<void()> work) {
-    {
-      const std::lock_guard lock(mutex_);
-      posted_.push_back(std::move(work));
-    }
-    wake();
-  }
-
-  // --- the session's thread ---
-
-  void run() noexcept {
-    double stop_at = 0;
-    while (!must_end(stop_at)) {
-      if (!transport_ && stop_at == 0 && now() >= reopen_at_) reopen();
-      wait_for_something(stop_at);
-      carry_out_posted();
-      try {
-        move_bytes();
-      } catch (const PortError& error) {
-        close_port(error.what());
-      }
-      if (transport_ && driver_.closing()) close_port({});
-    }
-  }
-
-  // True when the thread may end. The first time it is asked to, a running print is brought to its end.
-  bool must_end(double& stop_at) {
-    {
-      const std::lock_guard lock(mutex_);
-      if (!stop_) return false;
-    }
-    if (stop_at == 0) {
-      stop_at = now() + options_.shutdown_s;
-      driver_.shut_down(now());
-      flush_quietly();
-    }
-    return !transport_ || driver_.finished() || now() >= stop_at;
-  }
-
-  void reopen() {
-    try {
-      transport_ = open_();
-      driver_.opened(now());
-    } catch (const std::exception& error) {
-      close_port(error.what());
-    }
-  }
-
-  // An empty reason: the driver itself gave up and has said why.
-  void close_port(const std::string& reason) {
-    if (!reason.empty()) driver_.lost(reason);
-    flush_quietly();
-    transport_.reset();
-    reopen_at_ = now() + options_.reconnect_s;
-  }
-
-  void wait_for_something(double stop_at) {
-    std::array<pollfd, 2> fds{pollfd{wake_fd_, POLLIN, 0}, pollfd{-1, POLLIN, 0}};
-    double until = reopen_at_;
-    if (transport_) {
-      fds[1].fd = transport_->fd();
-      if (!driver_.output().empty()) fds[1].events |= POLLOUT;
-      until = driver_.deadline();
-    }
-    if (stop_at > 0) until = std::min(until, stop_at);
-    const double seconds = std::clamp(until - now(), 0.0, kLongestPoll_s);
-    ::poll(fds.data(), fds.size(), static_cast<int>(std::ceil(seconds * 1000)));
-    std::uint64_t count = 0;
-    if (fds[0].revents != 0) [[maybe_unused]]
-      const auto n = ::read(wake_fd_, &count, sizeof count);
-  }
-
-  void carry_out_posted() {
-    std::deque<std::function<void()>> work;
-    {
-      const std::lock_guard lock(mutex_);
-      work.swap(posted_);
-    }
-    for (const auto& task : work) task();
-  }
-
-  void move_bytes() {
-    if (!transport_) return;
-    flush();
-    std::array<char, 4096> buffer;
-    while (const std::size_t n = transport_->read(buffer)) {
-      driver_.received({buffer.data(), n}, now());
-      flush();
-      if (n < buffer.size() || driver_.closing()) break;
-    }
-    if (now() >= driver_.deadline()) driver_.elapsed(now());
-    flush();
-  }
-
-  void flush() {
-    if (driver_.take_urgent()) transport_->drop_output();
-    std::string& output = driver_.output();
-    if (!output.empty()) output.erase(0, transport_->write(output));
-  }
-
-  void flush_quietly() noexcept {
-    try {
-      if (transport_) flush();
-    } catch (const PortError&) {
-      // The port is being given up; there is nobody to tell.
-    }
-  }
-
-  const SessionOptions options_;
-  const OpenTransport open_;
-  const std::shared_ptr<const Clock> clock_;
-  const std::shared_ptr<const Clock> steady_;
-  FlightRecorder recorder_;  // locks for itself
-  Driver driver_;            // the session's thread alone
-  std::unique_ptr<Transport> transport_;
-  double reopen_at_ = 0;
-
-  std::mutex mutex_;  ///< guards posted_ and stop_
-  std::deque<std::function<void()>> posted_;
-  bool stop_ = false;
-
-  const int wake_fd_;
-  std::thread thread_;
-};
 
 }  // namespace
 
 std::unique_ptr<PrinterPort> start_session(SessionOptions options, OpenTransport open,
                                            std::shared_ptr<const Clock> clock, PrinterPort::Handler handler) {
-  return std::make_unique<Session>(std::move(options), std::move(open), std::move(clock), std::move(handler));
+  const auto make = [driver = std::move(options.driver)](const Clock& stamp, FlightRecorder& recorder,
+                                                         PrinterPort::Handler to) {
+    return std::make_unique<Driver>(driver, stamp, recorder, std::move(to));
+  };
+  return fw::start_session({options.reconnect_s, options.shutdown_s}, std::move(open), std::move(clock),
+                           std::move(handler), make);
 }
 
 }  // namespace voidpath::fw::marlin
