@@ -1,0 +1,79 @@
+// One thread for each emergency-stop switch: poll(), read the edge, cut, halt, report. It owns its pin, takes
+// no lock before the report, and allocates nothing before power is cut.
+#include "firmware-io/gpio/emergency_stop.h"
+
+#include "firmware-io/clock.h"
+#include "firmware-io/gpio/debounce.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstdint>
+#include <system_error>
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+namespace voidpath::fw {
+
+EmergencyStop::EmergencyStop(std::unique_ptr<InputPin> pin, EmergencyStopOptions options,
+                             EmergencyStopActions actions)
+    : pin_(std::move(pin)), options_(options), actions_(std::move(actions)) {
+  pulled_ = pin_->active();  // known before anyone asks
+  end_fd_ = ::eventfd(0, EFD_CLOEXEC);
+  if (end_fd_ < 0) throw std::system_error(errno, std::generic_category(), "emergency stop");
+  thread_ = std::thread([this] { run(); });
+}
+
+EmergencyStop::~EmergencyStop() {
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const auto written = ::write(end_fd_, &one, sizeof one);
+  thread_.join();
+  ::close(end_fd_);
+}
+
+void EmergencyStop::stop(const std::string& reason) {
+  actions_.cut();
+  actions_.halt();
+  pulled_ = true;
+  actions_.report(true, reason);
+}
+
+void EmergencyStop::run() noexcept {
+  static const std::string kPulled = "the emergency stop was pulled";
+  const auto clock = steady_clock();
+  // An edge that lasts no time at all still counts where no time is asked for.
+  const bool at_once = options_.debounce_s <= 0;
+  Debounce contact(options_.debounce_s, pulled_);
+  if (pulled_) stop("the emergency stop is pulled");
+  for (;;) {
+    const double now = clock->now_s();
+    const double wait_s = std::clamp(contact.deadline() - now, 0.0, options_.look_s);
+    std::array<pollfd, 2> fds{pollfd{pin_->fd(), POLLIN, 0}, pollfd{end_fd_, POLLIN, 0}};
+    ::poll(fds.data(), fds.size(), static_cast<int>(std::ceil(wait_s * 1000)));
+    if (fds[1].revents != 0) return;
+    try {
+      while (const auto edge = pin_->next_edge()) {
+        contact.edge(edge->active, edge->at_s);
+        if (at_once && edge->active && contact.settle(edge->at_s)) stop(kPulled);
+      }
+      const double then = clock->now_s();
+      contact.level(pin_->active(), then);
+      if (const auto active = contact.settle(then)) {
+        if (*active) {
+          stop(kPulled);
+        } else {
+          pulled_ = false;
+          actions_.report(false, "the emergency stop was let go");
+        }
+      }
+    } catch (const PinError& error) {
+      stop(std::string("the emergency stop's pin failed: ") + error.what());
+      return;  // a switch that cannot be read stays pulled
+    }
+  }
+}
+
+}  // namespace voidpath::fw
