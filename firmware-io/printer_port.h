@@ -35,7 +35,7 @@ class PrinterPort {
   virtual void resume() = 0;
   /// Ends the print: stops feeding, runs cancel_gcode, heaters and fan off, motors free.
   virtual void cancel(std::string reason) = 0;
-  /// Emergency: M112 ahead of everything queued.
+  /// Emergency: M112 ahead of everything queued. Waits on no lock.
   virtual void halt(std::string reason) = 0;
   /// A line of the user's, sent between the print's own; its answer comes as Message.
   virtual void command(std::string line) = 0;

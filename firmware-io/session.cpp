@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <deque>
 #include <mutex>
@@ -43,6 +44,7 @@ class Session final : public PrinterPort {
     }
     wake();
     thread_.join();
+    delete halt_.load();
     ::close(wake_fd_);
   }
 
@@ -60,10 +62,8 @@ class Session final : public PrinterPort {
     post([this, reason = std::move(reason)] { dialogue_->cancel(reason, now()); });
   }
   void halt(std::string reason) override {
-    {
-      const std::lock_guard lock(mutex_);
-      posted_.push_front([this, reason = std::move(reason)] { dialogue_->halt(reason, now()); });
-    }
+    // Past the mailbox: an emergency stop waits for nobody who posts.
+    delete halt_.exchange(new std::string(std::move(reason)));
     wake();
   }
   void command(std::string line) override {
@@ -153,6 +153,8 @@ class Session final : public PrinterPort {
   }
 
   void carry_out_posted() {
+    if (const std::unique_ptr<const std::string> reason{halt_.exchange(nullptr)})
+      dialogue_->halt(*reason, now());
     std::deque<std::function<void()>> work;
     {
       const std::lock_guard lock(mutex_);
@@ -196,6 +198,8 @@ class Session final : public PrinterPort {
   const std::unique_ptr<Dialogue> dialogue_;  // the session's thread alone
   std::unique_ptr<Transport> transport_;
   double reopen_at_ = 0;
+
+  std::atomic<std::string*> halt_{nullptr};  ///< the reason of a halt not yet carried out; owned
 
   std::mutex mutex_;  ///< guards posted_ and stop_
   std::deque<std::function<void()>> posted_;
