@@ -1,5 +1,7 @@
 #pragma once
 
+#include "firmware-io/firmware_limits.h"
+
 #include <cstdint>
 #include <map>
 #include <string>
@@ -22,6 +24,11 @@ struct Temperature {
 
 struct Connected {
   FirmwareInfo firmware;
+};
+/// How the firmware is set up, once after each Connected and before anything of a print is sent; never where
+/// the firmware tells nothing of it.
+struct LimitsKnown {
+  FirmwareLimits limits;
 };
 /// The port is gone or silent; a print that ran has failed by this.
 struct Disconnected {
@@ -72,7 +79,7 @@ struct LinkStats {
 struct Event {
   double at_s = 0;
   std::variant<Connected, Disconnected, Temperatures, PrintStarted, LineDone, Heating, MotionStarted, Paused,
-               Resumed, PrintFinished, PrintCancelled, PrintFailed, Message, LinkStats>
+               Resumed, PrintFinished, PrintCancelled, PrintFailed, Message, LinkStats, LimitsKnown>
       what;
 };
 

@@ -57,6 +57,7 @@ void Driver::dispatch(const std::string& line, double t) {
   recorder_.received(stamp_.now_s(), line);
   const Reply reply = parse_reply(line);
   if (phase_ == Phase::identifying || phase_ == Phase::ready) link_.on_reply(reply, t);
+  if (phase_ == Phase::identifying || queries_unanswered_ > 0) settings_.take(line);
   if (phase_ == Phase::ready) {
     dispatch_ready(reply, t);
   } else if (phase_ == Phase::halted) {
@@ -90,9 +91,9 @@ void Driver::dispatch_ready(const Reply& reply, double t) {
   } else if (const auto* action = std::get_if<Action>(&reply)) {
     on_action(*action, t);
   } else if (const auto* echo = std::get_if<Echo>(&reply)) {
-    emit(Message{echo->text});
+    if (queries_unanswered_ == 0) emit(Message{echo->text});
   } else if (const auto* other = std::get_if<Other>(&reply)) {
-    emit(Message{other->text});
+    if (queries_unanswered_ == 0) emit(Message{other->text});
   } else if (const auto* firmware = std::get_if<Firmware>(&reply)) {
     emit(Message{firmware->info.name});
   }
@@ -113,7 +114,7 @@ void Driver::on_restart(double t) {
     job_.reset();
     emit(PrintFailed{reason + " in mid-print"});
   }
-  controls_.clear();
+  forget_dialogue();
   link_.output().clear();
   if (std::exchange(connected_, false)) emit(Disconnected{reason});
   start_seen_ = true;
@@ -143,7 +144,9 @@ void Driver::note_sensors(const Sensors& sensors) {
 
 void Driver::collect(double t) {
   while (const auto tag = link_.take_acknowledged()) {
-    if (job_ && tag->kind != Tag::Kind::control) {
+    if (tag->kind == Tag::Kind::query) {
+      if (--queries_unanswered_ == 0) tell_limits();
+    } else if (job_ && tag->kind != Tag::Kind::control) {
       job_->on_acknowledged(*tag, link_);
       drop_finished_job();
     }
@@ -163,12 +166,16 @@ void Driver::drop_finished_job() {
 
 void Driver::pump(double t) {
   link_.pump(t);
+  while (!queries_.empty() && link_.may_send(queries_.front())) {
+    link_.send(queries_.front(), {.kind = Tag::Kind::query}, t);
+    queries_.pop_front();
+  }
   while (!controls_.empty() && link_.may_send(controls_.front())) {
     const std::string line = std::move(controls_.front());
     controls_.pop_front();
     link_.send(line, {.kind = Tag::Kind::control, .is_long = is_long(line)}, t);
   }
-  if (job_) job_->feed(link_, t);
+  if (job_ && queries_unanswered_ == 0) job_->feed(link_, t);
   if (link_.wants_probe() && link_.may_send("M105")) link_.send("M105", {}, t);
 }
 
@@ -205,7 +212,7 @@ void Driver::fail(const std::string& reason) {
 
 void Driver::disconnect(const std::string& reason) {
   phase_ = Phase::closed;
-  controls_.clear();
+  forget_dialogue();
   if (std::exchange(connected_, false) || reason != last_loss_) emit(Disconnected{reason});
   last_loss_ = reason;
 }
@@ -329,7 +336,7 @@ void Driver::halt(const std::string& reason, double t) {
     job_.reset();
     emit(PrintFailed{reason});
   }
-  controls_.clear();
+  forget_dialogue();
   last_loss_ = reason;
   if (std::exchange(connected_, false)) emit(Disconnected{reason});
   enter(Phase::halted, t + kLastWords_s);

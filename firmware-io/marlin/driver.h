@@ -5,6 +5,7 @@
 #include "firmware-io/marlin/codec.h"
 #include "firmware-io/marlin/link.h"
 #include "firmware-io/marlin/print_job.h"
+#include "firmware-io/marlin/settings.h"
 
 #include <deque>
 #include <functional>
@@ -77,6 +78,9 @@ class Driver final : public Dialogue {
   void settle(double t);
   void collect(double t);
   void drop_finished_job();
+  void forget_dialogue();
+  void ask_limits();
+  void tell_limits();
   void pump(double t);
   void check_health();
   void poll_temperature(double t);
@@ -95,6 +99,9 @@ class Driver final : public Dialogue {
   Link link_;
   LineSplitter splitter_;
   std::unique_ptr<PrintJob> job_;
+  int queries_unanswered_ = 0;  ///< of those that follow a connection
+  SettingsReader settings_;
+  std::deque<std::string> queries_;   ///< of our own, once after connecting
   std::deque<std::string> controls_;  ///< lines of our own and the user's, ahead of the file's
   FirmwareInfo firmware_;
   Phase phase_ = Phase::closed;

@@ -17,12 +17,19 @@ void Driver::opened(double t) {
   splitter_.clear();
   link_.output().clear();
   link_.restart(0);
-  controls_.clear();
-  firmware_ = {};
+  forget_dialogue();
   start_seen_ = false;
   greetings_ = 0;
   received_t_ = t;
   enter(Phase::booting, t + options_.handshake.boot_wait_s);
+}
+
+void Driver::forget_dialogue() {
+  controls_.clear();
+  queries_.clear();
+  queries_unanswered_ = 0;
+  settings_ = {};
+  firmware_ = {};
 }
 
 void Driver::greet(double t) {
@@ -101,7 +108,21 @@ void Driver::become_ready(double t) {
     controls_.push_back("M155 S1");
     polled_t_ = t;
   }
+  ask_limits();
   emit(Connected{firmware_});
+}
+
+// Klipper and Repetier know neither question; Smoothie means other things by the same letters.
+void Driver::ask_limits() {
+  for (const char* other : {"Klipper", "Repetier", "Smoothie"})
+    if (firmware_.name.find(other) != std::string::npos) return;
+  if (firmware_.name.empty()) return;
+  queries_ = {"M503", "M211"};
+  queries_unanswered_ = static_cast<int>(queries_.size());
+}
+
+void Driver::tell_limits() {
+  if (const auto limits = settings_.limits()) emit(LimitsKnown{*limits});
 }
 
 }  // namespace voidpath::fw::marlin

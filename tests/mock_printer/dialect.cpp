@@ -32,6 +32,7 @@ Dialect marlin1() {
       "MACHINE_TYPE:voidpath mock EXTRUDER_COUNT:1 UUID:cede2a2f-41a2-4748-9b12-c55c62f367ff\n";
   d.power_off.clear();
   d.repeats_silent = false;
+  d.old_settings = true;
   d.wants_number = true;
   d.autoreport = false;
   return d;

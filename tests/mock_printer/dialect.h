@@ -20,6 +20,7 @@ struct Dialect {
   bool first_star = false;       ///< the checksum starts at the first `*`, not at the last
   bool wants_number = false;     ///< a checksum without a line number is an error
   bool ok_at_enqueue = false;    ///< ok says "in the queue", not "handled"
+  bool old_settings = false;     ///< M503 and M211 in the words of Marlin 1.x
   bool blank_ok = false;         ///< empty and comment-only lines get an ok
   bool busy = true;              ///< `echo:busy: processing` while a command takes long
   bool autoreport = true;        ///< M155

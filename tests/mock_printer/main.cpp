@@ -42,7 +42,7 @@ constexpr const char* kUsage =
     "  --reset-on-open       each open of the port resets the printer\n"
     "  --advanced-ok --emergency-parser --cold-extrusion\n"
     "  --steps, --max-speed, --max-acceleration, --jerk X,Y,Z,E   --acceleration PRINT,RETRACT,TRAVEL\n"
-    "  --junction-deviation MM\n"
+    "  --junction-deviation MM   --volume X,Y,Z (what M211 tells)\n"
     "SIGUSR1: report on stderr; SIGUSR2: reset\n";
 
 struct UsageError : std::runtime_error {
@@ -137,6 +137,8 @@ void take_value(Setup& s, std::string_view flag, std::string_view v) {
     s.runner.clock_file = v;
   } else if (flag == "--log") {
     s.runner.log_file = v;
+  } else if (flag == "--volume") {
+    s.printer.volume_mm = numbers<3>(flag, v);
   } else if (flag == "--faults") {
     s.printer.faults = load_faults(std::string(v));
   } else if (flag == "--seed") {

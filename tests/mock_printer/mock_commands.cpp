@@ -144,6 +144,9 @@ bool MockMarlin::execute_settings(const Command& c) {
     case 221:
       if (const auto v = c.value('S')) flow_ = *v / 100;
       return true;
+    case 211:
+      report_volume();
+      return true;
     case 503:
       report_settings();
       return true;
@@ -223,33 +226,6 @@ void MockMarlin::pause_for_user(std::string_view action) {
   tasks_.push_back({.kind = Task::Kind::kUser});
   if (!action.empty())
     tasks_.push_back({.kind = Task::Kind::kCall, .action = [this] { write_line("//action:resumed"); }});
-}
-
-void MockMarlin::report_settings() {
-  const MotionSettings& s = motion_.settings();
-  const auto axes = [](const char* name, const Axes& values) {
-    std::string line = std::string("echo:  ") + name;
-    for (std::size_t i = 0; i < kAxes; ++i) line += std::string(" ") + kAxisLetters[i] + fixed(values[i], 2);
-    return line;
-  };
-  write_line("echo:; Steps per unit:");
-  write_line(axes("M92", s.steps_per_mm));
-  write_line("echo:; Max feedrates (units/s):");
-  write_line(axes("M203", s.max_speed));
-  write_line("echo:; Max Acceleration (units/s2):");
-  write_line(axes("M201", s.max_acceleration));
-  write_line("echo:; Acceleration (units/s2) (P<print-accel> R<retract-accel> T<travel-accel>):");
-  write_line("echo:  M204 P" + fixed(s.print_acceleration, 2) + " R" + fixed(s.retract_acceleration, 2) +
-             " T" + fixed(s.travel_acceleration, 2));
-  std::string advanced = "echo:  M205 B" + fixed(s.min_segment_time_s * 1e6, 2) + " S" +
-                         fixed(s.min_speed, 2) + " T" + fixed(s.min_travel_speed, 2);
-  if (s.classic_jerk)
-    for (std::size_t i = 0; i < kAxes; ++i)
-      advanced += std::string(" ") + kAxisLetters[i] + fixed(s.jerk[i], 2);
-  else
-    advanced += " J" + fixed(s.junction_deviation, 2);
-  write_line("echo:; Advanced (B<min_segment_time_us> S<min_feedrate> T<min_travel_feedrate>):");
-  write_line(advanced);
 }
 
 }  // namespace voidpath::test::mock

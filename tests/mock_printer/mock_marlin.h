@@ -124,6 +124,8 @@ class MockMarlin {
   void pause_for_user(std::string_view action);
   void report_position();
   void report_settings();
+  void report_old_settings();
+  void report_volume();
   Axes target_of(const Command& command);
   void queue_move(Axes target);
   void after_drain(std::function<void()> action);

@@ -5,6 +5,7 @@
 #include "tests/mock_printer/motion_settings.h"
 #include "tests/mock_printer/thermal.h"
 
+#include <array>
 #include <string>
 
 namespace voidpath::test::mock {
@@ -24,8 +25,9 @@ struct Options {
   bool parenthesis_comments = false;
   bool cold_extrusion = false;  ///< extrude at any temperature
   double min_extrusion_temperature = 170;
-  double max_extrusion_mm = 200;  ///< longer ones in one move are prevented
-  double reach_mm = 1000;         ///< X, Y and Z are held within this distance of 0, as by soft endstops
+  double max_extrusion_mm = 200;                   ///< longer ones in one move are prevented
+  std::array<double, 3> volume_mm{220, 220, 250};  ///< X, Y, Z as M211 tells it; nobody enforces it
+  double reach_mm = 1000;  ///< X, Y and Z are held within this distance of 0, as by soft endstops
   double busy_interval_s = 2;
   double leveling_s = 30;  ///< G29
   double homing_speed_mm_s = 50;

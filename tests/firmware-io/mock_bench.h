@@ -1,0 +1,94 @@
+#pragma once
+
+#include "firmware-io/marlin/driver.h"
+#include "tests/firmware-io/driver_bench.h"
+#include "tests/mock_printer/mock_marlin.h"
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace voidpath::test {
+
+/// A driver and the mock printer with its wire, in memory, on one invented clock that jumps to whatever comes
+/// next. Time begins at 1000 s for the driver and at 0 for the printer.
+class MockBench {
+ public:
+  explicit MockBench(const mock::Options& firmware, fw::marlin::DriverOptions options = {})
+      : printer(firmware),
+        driver(std::move(options), clock, recorder, [this](const fw::Event& e) { note(e); }) {
+    printer.on_command([this](std::string_view command) { log.emplace_back(command); });
+    clock.now = kStart;
+    driver.opened(t());
+  }
+
+  double t() const { return clock.now; }
+
+  /// Runs until the condition holds; false when that takes longer than so many invented seconds.
+  bool run_until(const std::function<bool()>& done, double seconds = 60) {
+    const double end = t() + seconds;
+    while (!done()) {
+      if (t() > end) return false;
+      step();
+    }
+    return true;
+  }
+  void run_for(double seconds) {
+    const double end = t() + seconds;
+    while (t() < end) step();
+  }
+  bool connect() {
+    return run_until([&] { return count<fw::Connected>() > 0 && driver.deadline() > t(); });
+  }
+  void print(std::vector<std::string> lines) {
+    driver.print(std::make_unique<MemorySource>(std::move(lines)), t());
+  }
+  bool over() const {
+    return count<fw::PrintFinished>() + count<fw::PrintFailed>() + count<fw::PrintCancelled>() > 0;
+  }
+
+  template <typename T>
+  int count() const {
+    int n = 0;
+    for (const fw::Event& event : events) n += std::holds_alternative<T>(event.what) ? 1 : 0;
+    return n;
+  }
+  /// The n-th event of a kind, or nothing.
+  template <typename T>
+  const T* find(int n = 0) const {
+    for (const fw::Event& event : events)
+      if (const T* found = std::get_if<T>(&event.what); found && n-- == 0) return found;
+    return nullptr;
+  }
+
+  FakeClock clock;
+  fw::FlightRecorder recorder;
+  mock::MockMarlin printer;
+  fw::marlin::Driver driver;
+  std::vector<fw::Event> events;
+  std::vector<std::string> log;  ///< what the printer executed, in order
+  double read_every_s = 0;       ///< a host too busy to read more often
+
+ private:
+  static constexpr double kStart = 1000;
+
+  void note(const fw::Event& event) { events.push_back(event); }
+
+  void step() {
+    if (!driver.output().empty()) printer.feed(std::exchange(driver.output(), {}));
+    double next = std::min(printer.next_event() + kStart, driver.deadline());
+    next = std::clamp(next, t(), t() + 1);
+    if (read_every_s > 0) next = std::max(next, t() + read_every_s);
+    clock.now = next;
+    printer.advance_to(t() - kStart);
+    const std::string said = printer.take_output();
+    if (!said.empty()) driver.received(said, t());
+    if (t() >= driver.deadline()) driver.elapsed(t());
+  }
+};
+
+}  // namespace voidpath::test
