@@ -8,6 +8,7 @@
 #include "firmware-io/clock.h"
 #include "firmware-io/event.h"
 #include "firmware-io/line_source.h"
+#include "firmware-io/s3g/machine.h"
 
 namespace voidpath::fw {
 
@@ -47,6 +48,10 @@ class PrinterPort {
 /// Disconnected and tried again. Destruction ends a running print safely (heaters off) and joins the thread.
 std::unique_ptr<PrinterPort> open_marlin(PortOptions options, std::shared_ptr<const Clock> clock,
                                          PrinterPort::Handler handler);
+
+/// A MakerBot or Sailfish printer, spoken to in S3G. The rest as open_marlin().
+std::unique_ptr<PrinterPort> open_s3g(PortOptions options, const s3g::Machine& machine,
+                                      std::shared_ptr<const Clock> clock, PrinterPort::Handler handler);
 
 /// Reads a G-code file line by line; strips comments, blanks and what a firmware would choke on.
 /// Throws std::runtime_error naming the file.

@@ -120,8 +120,7 @@ class TravelPlanner {
       return {};
     if (outline_.contains(from, to)) return {};
     if (among_supports && harmless_between_supports(from, to, straight)) return {};
-    if (settings_.retract.avoid_crossing_perimeters)
-      if (Travel detour = around(from, to, straight); !detour.via.empty()) return detour;
+    if (Travel detour = around(from, to, straight); !detour.via.empty()) return detour;
     return {{}, true};
   }
 

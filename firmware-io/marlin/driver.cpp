@@ -94,8 +94,6 @@ void Driver::dispatch_ready(const Reply& reply, double t) {
     if (queries_unanswered_ == 0) emit(Message{echo->text});
   } else if (const auto* other = std::get_if<Other>(&reply)) {
     if (queries_unanswered_ == 0) emit(Message{other->text});
-  } else if (const auto* overrun = std::get_if<Overrun>(&reply)) {
-    emit(Message{overrun->text});
   } else if (const auto* firmware = std::get_if<Firmware>(&reply)) {
     emit(Message{firmware->info.name});
   }

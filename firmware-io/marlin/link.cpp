@@ -57,7 +57,7 @@ void Link::on_reply(const Reply& reply, double t) {
   received_t_ = t;
   if (!std::holds_alternative<Wait>(reply)) waits_ = 0;
   if (const auto* ok = std::get_if<Ok>(&reply)) {
-    window_.on_ok(ok->line, ok->queue_free);
+    window_.on_ok(ok->line);
     note_progress(t);
     patience_t_ = t;
   } else if (const auto* resend = std::get_if<Resend>(&reply)) {
@@ -73,7 +73,6 @@ void Link::on_reply(const Reply& reply, double t) {
       note_progress(t);
     }
   } else {
-    if (std::holds_alternative<Overrun>(reply)) window_.on_overrun();
     window_.on_other_line();
   }
 }

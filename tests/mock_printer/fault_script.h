@@ -33,6 +33,8 @@ enum class FaultKind {
   kSilence,     ///< reads and says nothing for `seconds`; what moves keeps moving
   kSlow,        ///< each of the next `lines` commands takes `seconds` longer
   kDeadHeater,  ///< `heater` (hotend, bed) stops heating
+  kCancel,      ///< S3G: cancelled at the panel
+  kBusy,        ///< S3G: a print from the card for `seconds`
   kPause,       ///< the printer pauses by itself (filament runout) until M108 or M876
 };
 

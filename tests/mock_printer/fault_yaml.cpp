@@ -30,6 +30,8 @@ const std::map<std::string, FaultKind> kKinds{
     {"slow", FaultKind::kSlow},
     {"dead_heater", FaultKind::kDeadHeater},
     {"pause", FaultKind::kPause},
+    {"cancel", FaultKind::kCancel},
+    {"busy", FaultKind::kBusy},
 };
 
 [[noreturn]] void mistake(const YAML::Node& node, const std::string& what) {

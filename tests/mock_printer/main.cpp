@@ -1,10 +1,13 @@
+#include "tests/mock_printer/mock_s3g.h"
 #include "tests/mock_printer/runner.h"
 
+#include <algorithm>
 #include <charconv>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -34,7 +37,8 @@ constexpr const char* kUsage =
     "  --log FILE            each executed command\n"
     "  --faults FILE.yaml    what goes wrong\n"
     "  --seed N              of the faults by chance\n"
-    "  --firmware NAME       marlin2, marlin1, prusa, repetier, smoothie (s3g not yet)\n"
+    "  --firmware NAME       marlin2, marlin1, prusa, repetier, smoothie, s3g\n"
+    "  --tools N --heated-bed   of an s3g printer (1, none); give --firmware before its motion's options\n"
     "  --baud N              pace of the wire in the printer's time (no limit)\n"
     "  --latency-ms F        round trip (0)\n"
     "  --rx-buffer N --queue N --block-buffer N   sizes (128, 4, 16)\n"
@@ -73,6 +77,9 @@ std::array<double, N> numbers(std::string_view flag, std::string_view text) {
 
 struct Setup {
   Options printer;
+  bool s3g = false;
+  int tools = 1;
+  bool heated_bed = false;
   RunnerOptions runner;
 };
 
@@ -80,6 +87,7 @@ bool take_switch(Setup& s, std::string_view flag) {
   if (flag == "--advanced-ok") return s.printer.advanced_ok = true;
   if (flag == "--emergency-parser") return s.printer.emergency_parser = true;
   if (flag == "--cold-extrusion") return s.printer.cold_extrusion = true;
+  if (flag == "--heated-bed") return s.heated_bed = true;
   if (flag == "--reset-on-open") return s.runner.reset_on_open = true;
   return false;
 }
@@ -143,8 +151,14 @@ void take_value(Setup& s, std::string_view flag, std::string_view v) {
     s.printer.faults = load_faults(std::string(v));
   } else if (flag == "--seed") {
     s.printer.seed = number<std::uint64_t>(flag, v);
+  } else if (flag == "--tools") {
+    s.tools = std::clamp(number<int>(flag, v), 1, 2);
   } else if (flag == "--firmware") {
-    if (v == "s3g") throw UsageError("--firmware s3g: not supported yet");
+    if (v == "s3g") {
+      s.s3g = true;
+      s.printer.motion = S3gOptions::replicator_motion();
+      return;
+    }
     const auto dialect = find_dialect(v);
     if (!dialect) throw UsageError("--firmware: unknown: " + std::string(v));
     s.printer.dialect = *dialect;
@@ -172,6 +186,24 @@ Setup parse(int argc, char** argv) {
   return setup;
 }
 
+std::unique_ptr<Firmware> build(const Setup& setup) {
+  const Options& p = setup.printer;
+  if (!setup.s3g) return std::make_unique<MockMarlin>(p);
+  S3gOptions o;
+  o.motion = p.motion;
+  o.block_buffer = p.block_buffer;
+  o.tools = setup.tools;
+  o.heated_bed = setup.heated_bed;
+  o.baud = p.baud;
+  o.round_trip_s = p.round_trip_s;
+  o.boot_s = p.boot_s;
+  o.hotend = p.hotend;
+  o.bed = p.bed;
+  o.faults = p.faults;
+  o.seed = p.seed;
+  return std::make_unique<MockS3g>(o);
+}
+
 void catch_signals() {
   struct sigaction action {};
   action.sa_handler = on_signal;
@@ -187,7 +219,7 @@ int main(int argc, char** argv) {
   try {
     const Setup setup = parse(argc, argv);
     catch_signals();
-    Runner runner(setup.printer, setup.runner);
+    Runner runner(build(setup), setup.runner);
     std::printf("ready %s\n", setup.runner.link.c_str());
     std::fflush(stdout);
     runner.run(g_requests);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "tests/mock_printer/command.h"
+#include "tests/mock_printer/firmware.h"
 #include "tests/mock_printer/heating.h"
 #include "tests/mock_printer/line_protocol.h"
 #include "tests/mock_printer/motion.h"
@@ -37,33 +38,34 @@ struct Statistics {
   bool halted = false;
 };
 
-class MockMarlin {
+class MockMarlin final : public Firmware {
  public:
   explicit MockMarlin(const Options& options = {});
 
   /// The host writes bytes now.
-  void feed(std::string_view bytes);
+  void feed(std::string_view bytes) override;
   /// Lets the clock run to `time` (s, never backwards) and does all that is due until then.
-  void advance_to(double time);
-  double now() const { return now_; }
+  void advance_to(double time) override;
+  double now() const override { return now_; }
   /// When something happens without the host doing anything; infinity when nothing will.
-  double next_event() const;
+  double next_event() const override;
   /// What has reached the host by now.
-  std::string take_output();
+  std::string take_output() override;
 
   /// True while the printer has answered everything it got and could use more: the moment at which an
   /// accelerated clock must stand still for the host. (With a full planner more input would change nothing.)
-  bool waits_for_host() const;
+  bool waits_for_host() const override;
   /// Grows with each command that carries the print on; polls (M105, M114, ...) do not count.
-  std::uint64_t progress() const { return progress_; }
+  std::uint64_t progress() const override { return progress_; }
   /// Each command as it begins to execute.
-  void on_command(std::function<void(std::string_view)> callback) { log_ = std::move(callback); }
+  void on_command(std::function<void(std::string_view)> callback) override { log_ = std::move(callback); }
   /// Power-on or reset: state lost, heaters off, `start` again.
-  void reset();
+  void reset() override;
   /// Seconds for which the cable is to be out, once after such a fault fired.
-  std::optional<double> take_unplug();
+  std::optional<double> take_unplug() override;
 
-  Statistics statistics() const;
+  Statistics statistics() const override;
+  bool drained() const override { return motion_.drained(); }
   const Motion& motion() const { return motion_; }
   const Heater& hotend() const { return hotend_.heater(); }
   const Heater& bed() const { return bed_.heater(); }

@@ -32,12 +32,18 @@ void write_all(int fd, std::string_view text) {
 }  // namespace
 
 Runner::Runner(const Options& printer, const RunnerOptions& options)
-    : options_(options), printer_(printer), pty_(options.link), pacer_(options.speed, options.grace_s) {
+    : Runner(std::make_unique<MockMarlin>(printer), options) {}
+
+Runner::Runner(std::unique_ptr<Firmware> printer, const RunnerOptions& options)
+    : options_(options),
+      printer_(std::move(printer)),
+      pty_(options.link),
+      pacer_(options.speed, options.grace_s) {
   if (!options.clock_file.empty()) clock_ = std::make_unique<ClockFile>(options.clock_file);
   if (options.log_file.empty()) return;
   log_ = ::open(options.log_file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   if (log_ < 0) throw std::system_error(errno, std::generic_category(), options.log_file);
-  printer_.on_command([this](std::string_view command) { write_all(log_, std::string(command) + '\n'); });
+  printer_->on_command([this](std::string_view command) { write_all(log_, std::string(command) + '\n'); });
 }
 
 Runner::~Runner() {
@@ -46,8 +52,8 @@ Runner::~Runner() {
 
 void Runner::run(RunnerRequests& requests) {
   while (!requests.stop) {
-    if (requests.report.exchange(false)) write_all(STDERR_FILENO, to_json(printer_.statistics()) + '\n');
-    if (requests.reset.exchange(false)) printer_.reset();
+    if (requests.report.exchange(false)) write_all(STDERR_FILENO, to_json(printer_->statistics()) + '\n');
+    if (requests.reset.exchange(false)) printer_->reset();
     turn(wall_now());
   }
 }
@@ -56,12 +62,12 @@ void Runner::turn(double wall) {
   if (plug_at_ && wall >= *plug_at_) {
     pty_.plug();
     plug_at_.reset();
-    if (options_.reset_on_open) printer_.reset();
+    if (options_.reset_on_open) printer_->reset();
   }
   let_time_pass(wall);
-  if (clock_) clock_->publish(printer_.now());
+  if (clock_) clock_->publish(printer_->now());
   exchange();
-  if (const auto seconds = printer_.take_unplug()) {
+  if (const auto seconds = printer_->take_unplug()) {
     pty_.unplug();
     out_.clear();
     plug_at_ = wall + *seconds;
@@ -72,42 +78,42 @@ void Runner::turn(double wall) {
 void Runner::exchange() {
   in_.clear();
   pty_.read(in_);
-  if (pty_.take_opened() && options_.reset_on_open) printer_.reset();
-  if (!in_.empty()) printer_.feed(in_);
-  out_ += printer_.take_output();
+  if (pty_.take_opened() && options_.reset_on_open) printer_->reset();
+  if (!in_.empty()) printer_->feed(in_);
+  out_ += printer_->take_output();
   if (options_.reset_on_open && !pty_.connected()) out_.clear();
   if (out_.empty()) return;
   // The clock is published before the words that it belongs to.
-  if (clock_) clock_->publish(printer_.now());
+  if (clock_) clock_->publish(printer_->now());
   pty_.write(out_);
 }
 
 void Runner::let_time_pass(double wall) {
-  const bool waiting = pty_.connected() && out_.empty() && printer_.waits_for_host();
-  const bool idle = printer_.motion().drained();
-  const double allowed = pacer_.allowance(wall, waiting, idle, printer_.progress());
+  const bool waiting = pty_.connected() && out_.empty() && printer_->waits_for_host();
+  const bool idle = printer_->drained();
+  const double allowed = pacer_.allowance(wall, waiting, idle, printer_->progress());
   if (pacer_.holding()) {
-    due_ = printer_.now();
+    due_ = printer_->now();
   } else if (std::isfinite(allowed)) {
-    due_ = std::max(due_, printer_.now()) + allowed;
+    due_ = std::max(due_, printer_->now()) + allowed;
   } else {
-    due_ = printer_.next_event();
-    if (!std::isfinite(due_)) due_ = printer_.now();
+    due_ = printer_->next_event();
+    if (!std::isfinite(due_)) due_ = printer_->now();
   }
-  if (pacer_.speed() == 1) return printer_.advance_to(due_);
+  if (pacer_.speed() == 1) return printer_->advance_to(due_);
   // One event at a time, with a look at the port after each: the next one may want the host's answer first.
-  const double next = printer_.next_event();
-  printer_.advance_to(std::min(due_, std::max(next, printer_.now())));
+  const double next = printer_->next_event();
+  printer_->advance_to(std::min(due_, std::max(next, printer_->now())));
 }
 
 /// Wall seconds this turn may wait for input.
 double Runner::patience() const {
   if (!out_.empty()) return 0.001;
   if (pacer_.holding()) return std::clamp(pacer_.grace_left(), 0.0, kTurn);
-  const double next = printer_.next_event();
+  const double next = printer_->next_event();
   const double speed = pacer_.speed();
   if (speed == 0) {
-    const bool nothing = !std::isfinite(next) || (printer_.waits_for_host() && printer_.motion().drained());
+    const bool nothing = !std::isfinite(next) || (printer_->waits_for_host() && printer_->drained());
     return nothing ? 0.005 : 0;
   }
   if (!std::isfinite(next)) return kTurn;

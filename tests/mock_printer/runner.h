@@ -1,5 +1,6 @@
 #pragma once
 
+#include "tests/mock_printer/firmware.h"
 #include "tests/mock_printer/mock_marlin.h"
 #include "tests/mock_printer/pty.h"
 #include "tests/mock_printer/virtual_clock.h"
@@ -30,10 +31,12 @@ class Runner {
  public:
   /// Opens pty, clock and log. Throws std::system_error.
   Runner(const Options& printer, const RunnerOptions& options);
+  /// With any firmware.
+  Runner(std::unique_ptr<Firmware> printer, const RunnerOptions& options);
   ~Runner();
   /// Until `requests.stop`. A report is one JSON line on stderr.
   void run(RunnerRequests& requests);
-  const MockMarlin& printer() const { return printer_; }
+  const Firmware& printer() const { return *printer_; }
 
  private:
   void turn(double wall);
@@ -42,7 +45,7 @@ class Runner {
   double patience() const;
 
   RunnerOptions options_;
-  MockMarlin printer_;
+  std::unique_ptr<Firmware> printer_;
   Pty pty_;
   Pacer pacer_;
   std::unique_ptr<ClockFile> clock_;

@@ -1,0 +1,124 @@
+#pragma once
+
+#include "firmware-io/dialogue.h"
+#include "firmware-io/event.h"
+#include "firmware-io/flight_recorder.h"
+#include "firmware-io/s3g/print_job.h"
+
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace voidpath::fw::s3g {
+
+struct DriverOptions {
+  Machine machine;
+  LinkTiming timing;
+  double boot_wait_s = 3;  ///< so long a printer may boot after opening, before silence counts
+  std::vector<std::string> cancel_gcode;
+};
+
+/// The S3G side of a session: who is there, what it says of itself, and a print. See Dialogue.
+class Driver final : public Dialogue {
+ public:
+  Driver(DriverOptions options, const Clock& stamp, FlightRecorder& recorder,
+         std::function<void(const Event&)> handler);
+
+  void opened(double t) override;
+  void received(std::string_view bytes, double t) override;
+  void elapsed(double t) override;
+  double deadline() const noexcept override;
+  void lost(const std::string& reason) override;
+
+  void print(std::unique_ptr<LineSource> source, double t) override;
+  void pause() override;
+  void resume(double t) override;
+  void cancel(const std::string& reason, double t) override;
+  void halt(const std::string& reason, double t) override;
+  void command(const std::string& line, double t) override;
+  void shut_down(double t) override;
+  bool finished() const noexcept override { return phase_ == Phase::closed || !job_; }
+
+  std::string& output() noexcept override { return link_.output(); }
+  bool take_urgent() noexcept override { return std::exchange(urgent_, false); }
+  bool closing() const noexcept override { return phase_ == Phase::closed; }
+
+ private:
+  enum class Phase { closed, greeting, identifying, ready, halted };
+
+  void emit(decltype(Event::what) what);
+  void ask(Question question, double t) { link_.ask(std::move(question.payload), question.answer_bytes, t); }
+  void greeting_since(double t);
+  void greet(double t);
+  void become_ready(double t);
+  void take_outcomes(double t);
+  void on_answer(const Answer& answer, double t);
+  void on_identity(const Answer& answer, double t);
+  void on_status(const Answer& answer, double t);
+  void on_tool_answer(const Answer& answer);
+  void on_build(const Answer& answer, double t);
+  void on_refused(const Refused& refused, double t);
+  void on_dead(const Dead& dead);
+  void check_panel(double t);
+  void pump(double t);
+  bool pump_ready(double t);
+  bool pump_action(double t);
+  void act(Action action, double t);
+  void hold(Action action, double t);
+  void on_room(const Answer& answer, double t);
+  void forget_sending();
+  void schedule_polls(double t);
+  void end_job(std::vector<std::string> lines, decltype(Event::what) outcome, double t);
+  void abort_job(decltype(Event::what) outcome, double t);
+  void drop_job(decltype(Event::what) outcome);
+  void disconnect(const std::string& reason);
+  void settle(double t);
+  std::vector<std::string> heaters_off() const;
+  LinkStats link_stats() const;
+  void report_stats();
+
+  DriverOptions options_;
+  const Clock& stamp_;
+  std::function<void(const Event&)> handler_;
+  Link link_;
+  Encoder encoder_;
+  std::unique_ptr<PrintJob> job_;
+  std::deque<Action> controls_;        ///< the user's, ahead of the file's
+  std::deque<Question> polls_;         ///< due
+  bool polled_last_ = false;           ///< polls and actions take turns
+  bool asked_by_job_ = false;          ///< the question under way
+  bool act_by_job_ = false;            ///< the action under way, or held
+  std::optional<Action> held_;         ///< waits for room in the queue
+  bool asked_room_ = false;            ///< the question under way is whether there is room
+  std::optional<std::uint32_t> room_;  ///< bytes free at least; empty: plenty, as far as known
+  double room_t_ = 0;                  ///< when to ask again
+  int room_asks_ = 0;
+
+  Phase phase_ = Phase::closed;
+  double phase_deadline_ = 0;
+  double greeting_until_ = 0;
+  double last_t_ = 0;
+  FirmwareInfo firmware_;
+  std::map<std::string, Temperature> sensors_;
+  std::string last_loss_;
+  bool connected_ = false, urgent_ = false;
+  double poll_t_ = 0, build_t_ = 0, stats_t_ = 0, glance_t_ = 0;
+  int halts_left_ = 0;
+
+  bool wants_paused_ = false;  ///< the printer should stand still
+  bool toggle_pending_ = false;
+  double toggled_t_ = -1e9;
+  BuildState build_ = BuildState::none;
+  bool seen_running_ = false;  ///< the firmware has known of this print
+  int glance_step_ = 0;        ///< of the three queries that make a Glance
+  Glance glance_;
+  LinkStats before_print_;
+};
+
+}  // namespace voidpath::fw::s3g

@@ -1,0 +1,276 @@
+#include "firmware-io/s3g/link.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace voidpath::fw::s3g {
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+/// The same packet damaged so often means a wire that carries nothing.
+constexpr int kMostFailures = 50;
+/// Glances at a queue that moves on in between, before waiting until it is empty instead.
+constexpr int kMostGlances = 8;
+constexpr std::size_t kPositionBytes = 1 + 4 * kAxes + 2;
+constexpr std::size_t kBuildBytes = 1 + 1 + 1 + 1 + 4 + 4;
+
+bool means_try_again(ReplyCode code) {
+  return code == ReplyCode::generic_error || code == ReplyCode::bad_crc || code == ReplyCode::too_long ||
+         code == ReplyCode::packet_timeout || code == ReplyCode::tool_lock ||
+         code == ReplyCode::downstream_timeout;
+}
+
+}  // namespace
+
+std::string hex(std::string_view bytes) {
+  static constexpr char kDigits[] = "0123456789ABCDEF";
+  std::string out;
+  for (const char c : bytes) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (!out.empty()) out += ' ';
+    out += kDigits[byte >> 4U];
+    out += kDigits[byte & 15U];
+  }
+  return out;
+}
+
+void Link::restart(double t) {
+  reader_.clear();
+  account_.restart();
+  output_.clear();
+  outcome_.reset();
+  action_.reset();
+  step_ = Step::idle;
+  failures_ = glances_ = 0;
+  good_t_ = t;
+}
+
+void Link::send(std::string_view payload, double t) {
+  recorder_.sent(stamp_.now_s(), hex(payload));
+  output_ += frame(payload);
+  ++packets_sent_;
+  bytes_sent_ += payload.size() + kFrameBytes;
+  due_t_ = t + timing_.reply_s;
+}
+
+void Link::ask(std::string payload, std::size_t answer_bytes, double t) {
+  failures_ = 0;
+  good_t_ = std::max(good_t_, t);
+  step_ = Step::asking;
+  why_ = Why::caller;
+  once_ = false;
+  query_ = std::move(payload);
+  answer_bytes_ = answer_bytes;
+  send(query_, t);
+}
+
+void Link::ask_once(std::string payload, double t) {
+  ask(std::move(payload), 0, t);
+  once_ = true;
+}
+
+void Link::send_query(Query query, std::size_t answer_bytes, Why why, double t) {
+  step_ = Step::asking;
+  why_ = why;
+  query_ = Payload(query).bytes();
+  answer_bytes_ = answer_bytes;
+  send(query_, t);
+}
+
+void Link::act(Action action, double t) {
+  failures_ = 0;
+  in_doubt_ = false;
+  good_t_ = std::max(good_t_, t);
+  action_ = std::move(action);
+  send_action(t);
+}
+
+void Link::send_action(double t) {
+  step_ = Step::acting;
+  send(action_->payload, t);
+}
+
+void Link::shout(std::string_view payload) {
+  // Whatever packet the firmware is in the middle of ends within these; between packets they are nothing.
+  output_.append(kMaxPayload + kFrameBytes, '\0');
+  output_ += frame(payload);
+  recorder_.sent(stamp_.now_s(), hex(payload));
+  step_ = Step::idle;
+  action_.reset();
+  outcome_.reset();
+  reader_.clear();
+}
+
+void Link::done(Outcome outcome) {
+  step_ = Step::idle;
+  action_.reset();
+  failures_ = glances_ = 0;
+  outcome_ = std::move(outcome);
+}
+
+std::optional<Outcome> Link::take() { return std::exchange(outcome_, {}); }
+
+double Link::deadline() const noexcept { return step_ == Step::idle ? kNever : due_t_; }
+
+void Link::received(std::string_view bytes, double t) {
+  for (const char byte : bytes) {
+    if (const auto packet = reader_.take(byte)) {
+      recorder_.received(stamp_.now_s(), packet->good ? hex(packet->payload) : "damaged");
+      on_packet(*packet, t);
+    }
+  }
+  if (step_ == Step::quiet) due_t_ = t + timing_.quiet_s;
+}
+
+void Link::on_packet(const Packet& packet, double t) {
+  if (packet.good) good_t_ = t;
+  if (step_ == Step::asking) {
+    if (packet.good) {
+      on_query_reply(packet.payload, t);
+    } else {
+      disturbed(t);
+    }
+  } else if (step_ == Step::acting) {
+    if (packet.good && packet.payload.size() == 1) {
+      on_action_reply(reply_code(packet.payload[0]), t);
+    } else {
+      disturbed(t);
+    }
+  }
+}
+
+void Link::on_query_reply(const std::string& payload, double t) {
+  const ReplyCode code = reply_code(payload[0]);
+  if (code == ReplyCode::ok && (answer_bytes_ == 0 || payload.size() == answer_bytes_)) {
+    failures_ = 0;
+    const std::string data = payload.substr(1);
+    if (why_ == Why::caller) return done(Answer{query_, data, code});
+    return on_inner_answer(data, t);
+  }
+  // Of an earlier command, late.
+  if (code == ReplyCode::ok || code == ReplyCode::overflow) return;
+  if (means_try_again(code)) return disturbed(t);
+  if (why_ == Why::caller) return done(Answer{query_, {}, code});
+  if (code == ReplyCode::unsupported && why_ == Why::line_before) return drain(t);
+  if (code == ReplyCode::unsupported && why_ == Why::position) {
+    in_doubt_ = true;
+    return settle(false, t);
+  }
+  done(Refused{*action_, code});
+}
+
+void Link::on_action_reply(ReplyCode code, double t) {
+  switch (code) {
+    case ReplyCode::ok:
+      return settle(true, t);
+    case ReplyCode::overflow:
+      return done(NoRoom{*action_});
+    case ReplyCode::unsupported:
+    case ReplyCode::more:
+    case ReplyCode::cancelled:
+    case ReplyCode::busy:
+    case ReplyCode::heater_failure:
+      return done(Refused{*action_, code});
+    default:
+      return disturbed(t);
+  }
+}
+
+// A reply that is damaged, lost, or tells of a damaged packet.
+void Link::disturbed(double t) {
+  ++failures_;
+  step_ = Step::quiet;
+  due_t_ = t + timing_.quiet_s;
+}
+
+void Link::elapsed(double t) {
+  if (step_ == Step::idle || t < due_t_) return;
+  switch (step_) {
+    case Step::asking:
+    case Step::acting:
+      reader_.clear();
+      ++failures_;
+      return go_on(t);
+    case Step::quiet:
+      return go_on(t);
+    case Step::drain_wait:
+      return drain(t);
+    case Step::idle:
+      return;
+  }
+}
+
+// After a disturbance, with nothing more on the wire.
+void Link::go_on(double t) {
+  if (t >= good_t_ + timing_.silence_s) return done(Dead{"the printer no longer answers"});
+  if (failures_ >= kMostFailures) return done(Dead{"the printer refuses one packet again and again"});
+  ++resends_;
+  if (!action_) {
+    if (once_) return done(Answer{query_, {}, ReplyCode::generic_error});
+    step_ = Step::asking;
+    return send(query_, t);
+  }
+  glances_ = 0;
+  send_query(Query::build, kBuildBytes, Why::line_before, t);
+}
+
+void Link::on_inner_answer(const std::string& data, double t) {
+  switch (why_) {
+    case Why::line_before:
+      glance_.line = little_endian(data, 3, 4);
+      return send_query(Query::free_buffer, 5, Why::free, t);
+    case Why::free:
+      glance_.free = little_endian(data, 0, 4);
+      return send_query(Query::build, kBuildBytes, Why::line_after, t);
+    case Why::line_after: {
+      const std::uint32_t line = little_endian(data, 3, 4);
+      if (line == glance_.line) return judge(glance_, t);
+      glance_.line = line;
+      if (++glances_ >= kMostGlances) return drain(t);
+      return send_query(Query::free_buffer, 5, Why::free, t);
+    }
+    case Why::finished:
+      if (!data.empty() && data[0] == 1) return send_query(Query::position, kPositionBytes, Why::position, t);
+      step_ = Step::drain_wait;
+      due_t_ = t + timing_.drain_poll_s;
+      return;
+    case Why::position:
+      return judge_position(data, t);
+    case Why::caller:
+      return;
+  }
+}
+
+void Link::judge(const Glance& glance, double t) {
+  if (const auto taken = account_.took(glance, action_->payload.size())) return settle(*taken, t);
+  if (!action_->repeatable()) return drain(t);
+  account_.lose_track();
+  settle(false, t);
+}
+
+// All is done, so that the motors stand where the last command left them.
+void Link::judge_position(const std::string& data, double t) {
+  const auto stands_at = [&](const Stand& stand) {
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      if ((stand.known & bit_of(i)) == 0) continue;
+      if (static_cast<std::int32_t>(little_endian(data, 4 * i, 4)) != stand.steps[i]) return false;
+    }
+    return true;
+  };
+  const bool before = stands_at(action_->before);
+  const bool after = stands_at(action_->after);
+  if (before == after) {
+    in_doubt_ = true;
+    account_.lose_track();
+  }
+  settle(after && !before, t);
+}
+
+void Link::settle(bool was_taken, double t) {
+  if (!was_taken) return send_action(t);
+  account_.accepted(action_->payload.size(), action_->kind == Action::Kind::move);
+  done(Accepted{*action_, in_doubt_});
+}
+
+}  // namespace voidpath::fw::s3g

@@ -1,0 +1,137 @@
+#pragma once
+
+#include "firmware-io/clock.h"
+#include "firmware-io/flight_recorder.h"
+#include "firmware-io/s3g/account.h"
+#include "firmware-io/s3g/action.h"
+#include "firmware-io/s3g/packet.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+
+namespace voidpath::fw::s3g {
+
+/// Protocol times in seconds of the steady clock, which is handed in as `t`.
+struct LinkTiming {
+  /// For a reply. The firmware gives up on a damaged packet after 0.2 s and says so.
+  double reply_s = 0.35;
+  /// After a damaged exchange, before the next packet: what is still on the wire has come by then.
+  double quiet_s = 0.03;
+  double silence_s = 10;       ///< without any good reply: nobody is there
+  double drain_poll_s = 0.05;  ///< between asks whether all is done
+};
+
+/// What became of a request.
+struct Answer {
+  std::string query;  ///< its payload
+  std::string data;   ///< behind the reply code
+  ReplyCode code = ReplyCode::ok;
+};
+struct Accepted {
+  Action action;
+  bool in_doubt = false;  ///< it may have been run twice
+};
+/// The queue has no room; it is not in it.
+struct NoRoom {
+  Action action;
+};
+/// The firmware will not take it; code is unsupported, cancelled, busy or heater_failure.
+struct Refused {
+  Action action;
+  ReplyCode code = ReplyCode::unsupported;
+};
+/// Silence, or the same packet damaged again and again.
+struct Dead {
+  std::string reason;
+};
+using Outcome = std::variant<Answer, Accepted, NoRoom, Refused, Dead>;
+
+/// One packet outstanding, its reply awaited; what was damaged or lost is found out about and put right. No
+/// I/O. One thread.
+///
+/// A command is sent again only when the firmware is known not to have queued it: an undamaged reply says so,
+/// or what the queue holds (Account), or, once all is done, where the motors stand. Before that a query with
+/// its own kind of reply goes both ways, so that no late reply is taken for another's.
+class Link {
+ public:
+  Link(LinkTiming timing, const Clock& stamp, FlightRecorder& recorder)
+      : timing_(timing), stamp_(stamp), recorder_(recorder) {}
+
+  void restart(double t);
+
+  bool idle() const noexcept { return step_ == Step::idle; }
+  /// Only when idle. `answer_bytes`: of a good reply, its code included; 0: any.
+  void ask(std::string payload, std::size_t answer_bytes, double t);
+  /// Not sent again when its reply is lost: for what is no question. Then the code is generic_error.
+  void ask_once(std::string payload, double t);
+  void act(Action action, double t);
+  /// Sends and does not wait; what was under way is forgotten.
+  void shout(std::string_view payload);
+
+  void received(std::string_view bytes, double t);
+  void elapsed(double t);
+  double deadline() const noexcept;
+  /// What the last request came to, once.
+  std::optional<Outcome> take();
+
+  std::string& output() noexcept { return output_; }
+  Account& account() noexcept { return account_; }
+  std::uint64_t packets_sent() const noexcept { return packets_sent_; }
+  std::uint64_t bytes_sent() const noexcept { return bytes_sent_; }
+  std::uint64_t resends() const noexcept { return resends_; }
+
+ private:
+  enum class Step {
+    idle,
+    asking,     ///< for the caller's query, or one of our own: see why_
+    acting,     ///< a command is out
+    quiet,      ///< nothing is sent until the line has been quiet
+    drain_wait  ///< until asking again whether all is done
+  };
+  enum class Why { caller, line_before, free, line_after, finished, position };
+
+  void send(std::string_view payload, double t);
+  void send_query(Query query, std::size_t answer_bytes, Why why, double t);
+  void send_action(double t);
+  void on_packet(const Packet& packet, double t);
+  void on_query_reply(const std::string& payload, double t);
+  void on_action_reply(ReplyCode code, double t);
+  void on_inner_answer(const std::string& data, double t);
+  void disturbed(double t);
+  void go_on(double t);
+  void judge(const Glance& glance, double t);
+  void judge_position(const std::string& data, double t);
+  void drain(double t) { send_query(Query::finished, 2, Why::finished, t); }
+  void settle(bool was_taken, double t);
+  void done(Outcome outcome);
+
+  LinkTiming timing_;
+  const Clock& stamp_;
+  FlightRecorder& recorder_;
+  PacketReader reader_;
+  Account account_;
+  std::string output_;
+  std::optional<Outcome> outcome_;
+
+  Step step_ = Step::idle;
+  Why why_ = Why::caller;
+  std::string query_;  ///< under way
+  std::size_t answer_bytes_ = 0;
+  std::optional<Action> action_;
+  bool once_ = false;  ///< the caller's query must not be sent again
+  bool in_doubt_ = false;
+  int failures_ = 0;  ///< of the request under way, in a row
+  int glances_ = 0;
+  Glance glance_;
+  double due_t_ = 0;
+  double good_t_ = 0;  ///< when the last undamaged reply came
+  std::uint64_t packets_sent_ = 0, bytes_sent_ = 0, resends_ = 0;
+};
+
+/// Bytes in hexadecimal, for the record of the dialogue: "9B 00 01".
+std::string hex(std::string_view bytes);
+
+}  // namespace voidpath::fw::s3g

@@ -1,0 +1,255 @@
+#include "firmware-io/s3g/print_job.h"
+
+#include <exception>
+#include <utility>
+
+namespace voidpath::fw::s3g {
+namespace {
+
+/// How often the printer is asked whether it is at rest, s: this much later than true the end is noticed...
+constexpr double kRestPoll_s = 0.02;
+/// ...and whether a temperature is reached.
+constexpr double kHeatPoll_s = 0.25;
+constexpr std::size_t kPositionBytes = 1 + 4 * kAxes + 2;
+/// Query::stop: both the motors and the queue.
+constexpr std::uint8_t kStopAndClear = 3;
+
+Question tool_question(int tool, ToolQuery query) {
+  Payload payload(Query::tool);
+  payload.u8(static_cast<std::uint8_t>(tool)).u8(static_cast<std::uint8_t>(query));
+  return {payload.bytes(), 2};
+}
+
+bool is_wait(const Action& action) {
+  return action.kind == Action::Kind::wait_tool || action.kind == Action::Kind::wait_bed;
+}
+
+}  // namespace
+
+PrintJob::PrintJob(std::unique_ptr<LineSource> source, Encoder& encoder, Emit emit)
+    : source_(std::move(source)), encoder_(encoder), emit_(std::move(emit)) {}
+
+std::optional<Question> PrintJob::question(double t) {
+  if (!asks() || out_ || t < ask_t_) return {};
+  const bool slow = wait_ == Wait::tool || wait_ == Wait::bed || heating_;
+  ask_t_ = t + (slow ? kHeatPoll_s : kRestPoll_s);
+  switch (wait_) {
+    case Wait::none:
+      return {};
+    case Wait::rest:
+      return Question{Payload(Query::finished).bytes(), 2};
+    case Wait::tool:
+      return tool_question(wait_tool_, ToolQuery::ready);
+    case Wait::bed:
+      return tool_question(0, ToolQuery::bed_ready);
+    case Wait::stopped:
+      return Question{Payload(Query::stop).u8(kStopAndClear).bytes(), 0};
+    case Wait::extruders:
+    case Wait::position:
+      return Question{Payload(Query::position).bytes(), kPositionBytes};
+  }
+  return {};
+}
+
+void PrintJob::on_answer(const Answer& answer, double t) {
+  const bool yes = !answer.data.empty() && answer.data[0] == 1;
+  std::array<std::int32_t, kAxes> steps{};
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    steps[i] = static_cast<std::int32_t>(little_endian(answer.data, 4 * i, 4));
+  }
+  const auto query = static_cast<Query>(static_cast<unsigned char>(answer.query.at(0)));
+  const bool good = answer.code == ReplyCode::ok;
+  switch (wait_) {
+    case Wait::none:
+      return;
+    case Wait::rest:
+      if (query == Query::finished && (yes || !good)) rested();
+      ask_t_ = std::max(ask_t_, t);
+      return;
+    case Wait::tool:
+    case Wait::bed:
+      // Some firmware is "finished" while it waits, some is "ready" before it is done.
+      if (query == Query::tool && (yes || !good)) wait_ = Wait::rest, ask_t_ = t;
+      return;
+    case Wait::extruders:
+      if (query != Query::position) return;
+      if (good) encoder_.set_extruders(steps[kA], steps[kB]);
+      pending_.push_back(encoder_.build_start("voidpath"));
+      wait_ = Wait::none;
+      state_ = State::feeding;
+      return;
+    case Wait::stopped:
+      if (query != Query::stop) return;
+      wants_abort_ = !good;
+      wait_ = Wait::position;
+      ask_t_ = t;
+      return;
+    case Wait::position:
+      if (query != Query::position) return;
+      if (good) encoder_.set_stand(steps);
+      wait_ = Wait::none;
+      queue_ending();
+      return;
+  }
+}
+
+// All that was sent is done.
+void PrintJob::rested() {
+  wait_ = Wait::none;
+  drained_ = true;
+  homing_ = false;
+  if (std::exchange(heating_, false)) {
+    motion_armed_ = true;
+    emit_(Heating{false});
+  }
+  if (state_ == State::starting) {
+    wait_ = Wait::extruders;
+  } else if (state_ == State::finishing && pending_.empty()) {
+    finish(PrintFinished{});
+  } else if (pending_.empty()) {
+    advance();
+  }
+}
+
+std::optional<Action> PrintJob::next() {
+  if (out_ || wait_ != Wait::none) return {};
+  if (state_ == State::feeding && pending_.empty()) fetch();
+  if (pending_.empty() || state_ == State::paused || state_ == State::starting || wait_ != Wait::none)
+    return {};
+  const Action& action = pending_.front();
+  if (is_wait(action) && !drained_ && state_ != State::ending) {
+    wait_ = Wait::rest;
+    return {};
+  }
+  if (!std::exchange(started_, true)) emit_(PrintStarted{});
+  if (is_wait(action) && !std::exchange(heating_, true)) emit_(Heating{true});
+  if (action.kind == Action::Kind::move && std::exchange(motion_armed_, false)) emit_(MotionStarted{});
+  drained_ = false;
+  out_ = true;
+  return action;
+}
+
+// Lines until one gives something to do.
+void PrintJob::fetch() {
+  try {
+    while (state_ == State::feeding && wait_ == Wait::none && pending_.empty()) {
+      const auto line = source_->next();
+      if (!line) {
+        if (encoder_.build_started()) pending_.push_back(encoder_.build_end());
+        state_ = State::finishing;
+        line_.reset();
+        if (pending_.empty()) wait_ = Wait::rest;
+        return;
+      }
+      take_line(*line);
+    }
+  } catch (const std::exception& error) {
+    fail_softly(error.what());
+  }
+}
+
+void PrintJob::take_line(const SourceLine& line) {
+  line_ = line;
+  position_ = source_->position();
+  Encoded encoded = encoder_.encode(line.text);
+  for (const std::string& note : encoded.notes) emit_(Message{note});
+  for (Action& action : encoded.actions) pending_.push_back(std::move(action));
+  switch (encoded.host) {
+    case Encoded::Host::pause:
+      emit_(LineDone{line.index, position_});
+      line_.reset();
+      return pause(false, line.text);
+    case Encoded::Host::halt:
+      wants_halt_ = true;
+      return;
+    case Encoded::Host::finish:
+      wait_ = Wait::rest;
+      return;
+    case Encoded::Host::nothing:
+    case Encoded::Host::report:
+      if (pending_.empty()) advance();
+      return;
+  }
+}
+
+void PrintJob::fail_softly(const std::string& reason) {
+  end({"M104 S0", "M140 S0", "M107"}, PrintFailed{reason});
+}
+
+void PrintJob::on_accepted(const Accepted& accepted) {
+  if (accepted.in_doubt) emit_(Message{"a reply was lost and its move may have run twice"});
+  const Action& action = accepted.action;
+  if (state_ == State::stopping) {
+    out_ = false;
+    return;
+  }
+  if (action.kind == Action::Kind::home) {
+    homing_ = true;
+    wait_ = Wait::rest;
+  } else if (action.kind == Action::Kind::wait_tool && state_ != State::ending) {
+    wait_ = Wait::tool;
+    wait_tool_ = action.tool;
+  } else if (action.kind == Action::Kind::wait_bed && state_ != State::ending) {
+    wait_ = Wait::bed;
+  }
+  advance();
+}
+
+// The front action is dealt with, or a line without any.
+void PrintJob::advance() {
+  if (std::exchange(out_, false) && !pending_.empty()) pending_.pop_front();
+  if (!pending_.empty() || wait_ != Wait::none) return;
+  if (line_) {
+    emit_(LineDone{line_->index, position_});
+    line_.reset();
+  }
+  if (state_ == State::finishing) wait_ = Wait::rest;
+  if (state_ == State::ending) finish(*outcome_);
+}
+
+void PrintJob::finish(decltype(Event::what) outcome) {
+  state_ = State::over;
+  emit_(std::move(outcome));
+}
+
+void PrintJob::drop(decltype(Event::what) outcome) {
+  if (state_ != State::over) finish(std::move(outcome));
+}
+
+void PrintJob::pause(bool by_printer, const std::string& reason) {
+  if (state_ != State::feeding) return;
+  state_ = State::paused;
+  emit_(Paused{by_printer, reason});
+}
+
+void PrintJob::resume() {
+  if (state_ != State::paused) return;
+  state_ = State::feeding;
+  emit_(Resumed{});
+}
+
+void PrintJob::end(std::vector<std::string> lines, decltype(Event::what) outcome) {
+  if (state_ >= State::stopping) return;
+  ending_lines_ = std::move(lines);
+  outcome_ = std::move(outcome);
+  pending_.clear();
+  line_.reset();
+  state_ = State::stopping;
+  wait_ = Wait::stopped;
+  ask_t_ = 0;
+}
+
+void PrintJob::queue_ending() {
+  state_ = State::ending;
+  for (const std::string& line : ending_lines_) {
+    try {
+      for (Action& action : encoder_.encode(line).actions) pending_.push_back(std::move(action));
+    } catch (const EncodeError& error) {
+      emit_(Message{error.what()});
+    }
+  }
+  if (encoder_.build_started()) pending_.push_back(encoder_.build_end());
+  if (pending_.empty()) finish(*outcome_);
+}
+
+}  // namespace voidpath::fw::s3g

@@ -1,0 +1,98 @@
+#pragma once
+
+#include "firmware-io/event.h"
+#include "firmware-io/line_source.h"
+#include "firmware-io/s3g/encoder.h"
+#include "firmware-io/s3g/link.h"
+
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace voidpath::fw::s3g {
+
+/// Emits an event, stamped with the session clock's present time.
+using Emit = std::function<void(decltype(Event::what))>;
+
+/// A query and how long a good reply to it is, its code included; 0: any.
+struct Question {
+  std::string payload;
+  std::size_t answer_bytes = 0;
+};
+
+/// One print: turns the source's lines into actions one after the other, and ends it, well or not. One
+/// thread.
+///
+/// It begins when the printer is at rest, with a build notification. A heating wait goes out when all before
+/// it is done, and nothing follows a wait or a homing until that has ended: so that both are timed, and the
+/// first motion leaves when it can begin. At the end of the file the printer is asked until it is at rest.
+class PrintJob {
+ public:
+  PrintJob(std::unique_ptr<LineSource> source, Encoder& encoder, Emit emit);
+
+  /// What must be known before anything more is sent; at most once a poll.
+  std::optional<Question> question(double t);
+  double next_question_t() const noexcept { return asks() && !out_ ? ask_t_ : kNever_t; }
+  void on_answer(const Answer& answer, double t);
+  /// The next action to send; empty while there is none.
+  std::optional<Action> next();
+  void on_accepted(const Accepted& accepted);
+  /// Left out: this firmware does not know it.
+  void on_left_out() { advance(); }
+  /// What next() gave was not sent after all; end() follows.
+  void take_back() noexcept { out_ = false; }
+
+  void pause(bool by_printer, const std::string& reason);
+  void resume();
+  /// Stops what moves and is queued, then runs `lines`; `outcome` is emitted when they are queued. A second
+  /// call changes nothing.
+  void end(std::vector<std::string> lines, decltype(Event::what) outcome);
+  /// Over at once, with that outcome.
+  void drop(decltype(Event::what) outcome);
+
+  bool over() const noexcept { return state_ == State::over; }
+  bool ending() const noexcept { return state_ >= State::stopping; }
+  bool paused() const noexcept { return state_ == State::paused; }
+  bool wants_halt() const noexcept { return wants_halt_; }
+  /// The printer cannot be stopped politely.
+  bool wants_abort() const noexcept { return wants_abort_; }
+  const decltype(Event::what)& outcome() const { return *outcome_; }
+
+ private:
+  enum class State { starting, feeding, paused, finishing, stopping, ending, over };
+  enum class Wait { none, rest, tool, bed, extruders, stopped, position };
+  static constexpr double kNever_t = 1e300;
+
+  bool asks() const noexcept { return state_ != State::over && wait_ != Wait::none; }
+  void fetch();
+  void take_line(const SourceLine& line);
+  void advance();
+  void rested();
+  void fail_softly(const std::string& reason);
+  void queue_ending();
+  void finish(decltype(Event::what) outcome);
+
+  std::unique_ptr<LineSource> source_;
+  Encoder& encoder_;
+  Emit emit_;
+  State state_ = State::starting;
+  Wait wait_ = Wait::rest;
+  int wait_tool_ = 0;
+  bool homing_ = false, drained_ = false;
+  double ask_t_ = 0;
+  std::deque<Action> pending_;
+  bool out_ = false;  ///< the front one is on its way
+  std::optional<SourceLine> line_;
+  std::uint64_t position_ = 0;
+  bool started_ = false;
+  bool heating_ = false;
+  bool motion_armed_ = true;  ///< no motion since the start or the last heating wait
+  bool wants_halt_ = false, wants_abort_ = false;
+  std::vector<std::string> ending_lines_;
+  std::optional<decltype(Event::what)> outcome_;
+};
+
+}  // namespace voidpath::fw::s3g

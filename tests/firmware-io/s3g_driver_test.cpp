@@ -1,0 +1,438 @@
+#include "tests/firmware-io/s3g_bench.h"
+
+#include <random>
+#include <set>
+
+#include <catch2/catch.hpp>
+
+using namespace voidpath::fw;
+using voidpath::test::S3gBench;
+namespace mock = voidpath::test::mock;
+
+namespace {
+
+using Lines = std::vector<std::string>;
+
+const Lines kStart = {"M136",        "M73 P0",         "G162 X Y F2000",
+                      "G161 Z F900", "M132 X Y Z A B", "G1 X0 Y0 Z10 F3300",
+                      "M104 S100",   "M109 S100",      "M83",
+                      "G92 E0"};
+const Lines kEnd = {"M104 S0", "M73 P100", "M137"};
+
+Lines moves(int n, std::uint64_t seed = 1) {
+  std::mt19937_64 random(seed);
+  Lines out;
+  for (int i = 0; i < n; ++i) {
+    const auto in = [&](int from, int to) {
+      return from + static_cast<int>(random() % static_cast<unsigned>(to - from));
+    };
+    out.push_back("G1 X" + std::to_string(in(-90, 90)) + " Y" + std::to_string(in(-60, 60)) + " E0." +
+                  std::to_string(in(100, 999)) + " F" + std::to_string(in(1200, 6000)));
+    if (random() % 9 == 0) out.push_back("G1 E-1.5 F1500"), out.push_back("G1 E1.5 F1500");
+    if (random() % 15 == 0) out.push_back("M106 S255");
+  }
+  return out;
+}
+
+Lines short_moves(int n) {
+  Lines out;
+  for (int i = 1; i <= n; ++i) out.push_back("G1 X" + std::to_string(i * 0.1) + " E0.005 F12000");
+  return out;
+}
+
+Lines operator+(Lines a, const Lines& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+/// What a print must come to: the encoder's own actions, build notifications around them.
+Lines expected(const Lines& file) {
+  s3g::Encoder encoder((s3g::Machine()));
+  Lines out{encoder.build_start("voidpath").payload};
+  for (const std::string& line : file) {
+    for (const s3g::Action& action : encoder.encode(line).actions) out.push_back(action.payload);
+  }
+  if (encoder.build_started()) out.push_back(encoder.build_end().payload);
+  return out;
+}
+
+void check_executed(const S3gBench& bench, const Lines& file) {
+  const Lines want = expected(file);
+  REQUIRE(bench.executed.size() == want.size());
+  for (std::size_t i = 0; i < want.size(); ++i) {
+    if (bench.executed[i] == want[i]) continue;
+    INFO("command " << i);
+    REQUIRE(s3g::hex(bench.executed[i]) == s3g::hex(want[i]));
+  }
+  CHECK(bench.mock.violations().empty());
+}
+
+mock::S3gOptions real_wire() {
+  mock::S3gOptions o;
+  o.baud = 115200;
+  o.round_trip_s = 0.001;
+  return o;
+}
+
+}  // namespace
+
+TEST_CASE("the greeting learns which firmware it is", "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  CHECK(std::get<Connected>(bench.first<Connected>()->what).firmware.name == "Sailfish 7.7");
+  CHECK(bench.t < 0.1);
+  mock::S3gOptions old = real_wire();
+  old.advanced_version = false;
+  old.boot_s = 2.5;
+  S3gBench other(old);
+  REQUIRE(other.connect());
+  CHECK(std::get<Connected>(other.first<Connected>()->what).firmware.name == "MakerBot 7.7");
+}
+
+TEST_CASE("a port on which nobody answers is given up", "[s3g]") {
+  mock::S3gOptions dead;
+  dead.boot_s = 1e9;
+  S3gBench bench(dead);
+  REQUIRE(bench.run_until([&] { return bench.driver.closing(); }, 60));
+  CHECK(bench.count<Disconnected>() == 1);
+}
+
+TEST_CASE("a print is executed as it stands, command for command", "[s3g]") {
+  for (const bool wired : {false, true}) {
+    S3gBench bench(wired ? real_wire() : mock::S3gOptions{});
+    REQUIRE(bench.connect());
+    const Lines file = kStart + moves(400) + kEnd;
+    REQUIRE(bench.print_through(file));
+    CHECK(bench.failure().empty());
+    REQUIRE(bench.count<PrintFinished>() == 1);
+    check_executed(bench, file);
+    CHECK(bench.count<LineDone>() == static_cast<int>(file.size()));
+    CHECK(bench.count<PrintStarted>() == 1);
+    CHECK(bench.count<Heating>() == 2);
+    CHECK(bench.mock.drained());
+    const auto last =
+        std::get<LinkStats>(std::find_if(bench.events.rbegin(), bench.events.rend(), [](const Event& e) {
+                              return std::holds_alternative<LinkStats>(e.what);
+                            })->what);
+    CHECK(last.resends == 0);
+  }
+}
+
+TEST_CASE("the end of a print is known within a few hundredths of a second", "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  double rested = 0;
+  bench.each_step = [&] {
+    if (!bench.mock.drained() || bench.mock.queued_bytes() > 0) rested = bench.t;
+  };
+  REQUIRE(bench.print_through(kStart + moves(100)));
+  CHECK(bench.first<PrintFinished>()->at_s - rested < 0.05);
+}
+
+TEST_CASE("motion begins, for the clock, when the heating has ended", "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  REQUIRE(bench.print_through(kStart + moves(20)));
+  double heated = 0, moved = 0;
+  for (const Event& event : bench.events) {
+    if (const auto* heating = std::get_if<Heating>(&event.what); heating && !heating->on) heated = event.at_s;
+    if (std::holds_alternative<MotionStarted>(event.what)) moved = event.at_s;
+  }
+  CHECK(heated > 10);
+  CHECK(moved >= heated);
+  CHECK(moved - heated < 0.1);
+}
+
+TEST_CASE("short moves go out at the speed of the wire", "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  const Lines file = Lines{"G92 X0 Y0 Z0", "M83"} + short_moves(5000);
+  bench.print(file);
+  REQUIRE(bench.run_until([&] { return bench.executed.size() > 100; }));
+  const double begun = bench.t;
+  const std::size_t before = bench.executed.size();
+  REQUIRE(bench.run_until([&] { return bench.executed.size() > 4900; }));
+  CHECK(static_cast<double>(bench.executed.size() - before) / (bench.t - begun) > 220);
+}
+
+TEST_CASE("every fault of the wire: each command exactly once, in order", "[s3g]") {
+  struct Kind {
+    mock::FaultKind kind;
+    bool outwards;
+    double probability;
+  };
+  const Kind kinds[] = {
+      {mock::FaultKind::kFlipByte, false, 1e-3},   {mock::FaultKind::kFlipByte, true, 1e-2},
+      {mock::FaultKind::kDropByte, false, 1e-3},   {mock::FaultKind::kDropByte, true, 1e-2},
+      {mock::FaultKind::kInsertByte, false, 1e-3}, {mock::FaultKind::kInsertByte, true, 1e-2},
+      {mock::FaultKind::kDoubleByte, false, 1e-3}, {mock::FaultKind::kDoubleByte, true, 1e-2},
+      {mock::FaultKind::kDropLine, false, 2e-2},   {mock::FaultKind::kGarbleLine, false, 2e-2},
+      {mock::FaultKind::kLoseOk, true, 2e-2},      {mock::FaultKind::kGarbleOk, true, 2e-2},
+      {mock::FaultKind::kDoubleOk, true, 2e-2}};
+  for (const bool counts : {true, false}) {
+    for (const Kind& kind : kinds) {
+      for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+        mock::S3gOptions o = real_wire();
+        o.counts_lines = counts;
+        o.seed = seed;
+        mock::Fault fault;
+        fault.kind = kind.kind;
+        fault.trigger = natural_trigger(kind.kind);
+        fault.outwards = kind.outwards;
+        fault.probability = kind.probability;
+        o.faults = {fault};
+        S3gBench bench(o);
+        INFO("kind " << static_cast<int>(kind.kind) << (kind.outwards ? " out" : " in") << ", seed " << seed
+                     << (counts ? "" : ", no line counter"));
+        REQUIRE(bench.connect());
+        const Lines file = kStart + moves(60, seed) + kEnd;
+        REQUIRE(bench.print_through(file));
+        INFO(bench.failure());
+        REQUIRE(bench.count<PrintFinished>() == 1);
+        // Idempotent commands may come twice, and never does a move of filament.
+        const Lines want = expected(file);
+        std::size_t at = 0;
+        for (const std::string& payload : bench.executed) {
+          if (at < want.size() && payload == want[at]) {
+            ++at;
+          } else {
+            INFO("command " << at << ": " << s3g::hex(payload));
+            REQUIRE(at > 0);
+            REQUIRE(payload == want[at - 1]);
+            const bool moves_filament =
+                static_cast<unsigned char>(payload[0]) == 155 &&
+                (s3g::little_endian(payload, 13, 4) | s3g::little_endian(payload, 17, 4)) != 0;
+            REQUIRE_FALSE(moves_filament);
+          }
+        }
+        REQUIRE(at == want.size());
+        CHECK(bench.mock.violations().empty());
+        CHECK_FALSE(bench.said("may have run twice"));
+      }
+    }
+  }
+}
+
+TEST_CASE("a pause by the user stands still and goes on", "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  const Lines file = kStart + moves(200) + kEnd;
+  bench.print(file);
+  REQUIRE(bench.run_until([&] { return bench.executed.size() > 60; }));
+  bench.driver.pause();
+  REQUIRE(bench.run_until([&] { return bench.mock.paused(); }, 5));
+  const std::size_t before = bench.executed.size();
+  bench.run_for(60);
+  CHECK(bench.executed.size() == before);
+  CHECK(bench.count<Paused>() == 1);
+  bench.driver.resume(bench.t);
+  REQUIRE(bench.run_until([&] { return bench.over(); }));
+  CHECK(bench.count<Resumed>() == 1);
+  check_executed(bench, file);
+}
+
+TEST_CASE("a pause at the panel, an hour long, is followed and costs nothing", "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  const Lines file = kStart + moves(200) + kEnd;
+  bench.print(file);
+  REQUIRE(bench.run_until([&] { return bench.executed.size() > 60; }));
+  bench.mock.press_pause();
+  bench.run_for(3600);
+  REQUIRE(bench.count<Paused>() == 1);
+  CHECK(std::get<Paused>(bench.first<Paused>()->what).by_printer);
+  bench.mock.press_pause();
+  REQUIRE(bench.run_until([&] { return bench.over(); }));
+  CHECK(bench.count<Resumed>() == 1);
+  check_executed(bench, file);
+}
+
+TEST_CASE("M0 pauses until the user goes on", "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  const Lines file = kStart + moves(20) + Lines{"M0"} + moves(20) + kEnd;
+  bench.print(file);
+  REQUIRE(bench.run_until([&] { return bench.count<Paused>() == 1; }));
+  bench.run_for(100);
+  CHECK_FALSE(bench.over());
+  bench.driver.resume(bench.t);
+  REQUIRE(bench.run_until([&] { return bench.over(); }));
+  check_executed(bench, file);
+}
+
+TEST_CASE("a cancel at the panel cancels", "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  bench.print(kStart + moves(300) + kEnd);
+  REQUIRE(bench.run_until([&] { return bench.executed.size() > 100; }));
+  bench.mock.cancel_at_panel();
+  REQUIRE(bench.run_until([&] { return bench.over(); }, 5));
+  CHECK(bench.count<PrintCancelled>() == 1);
+  CHECK(bench.said("panel"));
+  // And the next print runs.
+  bench.events.clear();
+  bench.executed.clear();
+  const Lines file = kStart + moves(30) + kEnd;
+  REQUIRE(bench.print_through(file));
+  REQUIRE(bench.count<PrintFinished>() == 1);
+  check_executed(bench, file);
+}
+
+TEST_CASE("a cancel by the user stops at once, cools down, lifts", "[s3g]") {
+  s3g::DriverOptions options;
+  options.cancel_gcode = {"G91", "G1 Z5 F600", "G90"};
+  S3gBench bench(real_wire(), options);
+  REQUIRE(bench.connect());
+  bench.print(kStart + moves(300) + kEnd);
+  REQUIRE(bench.run_until([&] { return bench.executed.size() > 100; }));
+  const double asked = bench.t;
+  bench.driver.cancel("user", bench.t);
+  REQUIRE(bench.run_until([&] { return bench.over(); }, 30));
+  CHECK(bench.t - asked < 1);
+  CHECK(bench.count<PrintCancelled>() == 1);
+  bench.run_for(10);
+  CHECK(bench.mock.hotend().target() == 0);
+  const double z_mm = bench.mock.position()[2] / 400.0;
+  CHECK(z_mm == Approx(15).margin(0.1));
+  CHECK(bench.mock.violations().empty());
+}
+
+TEST_CASE("a cancel while paused is heard too", "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  bench.print(kStart + moves(300) + kEnd);
+  REQUIRE(bench.run_until([&] { return bench.executed.size() > 100; }));
+  bench.driver.pause();
+  REQUIRE(bench.run_until([&] { return bench.mock.paused(); }, 5));
+  bench.run_for(3);
+  bench.driver.cancel("user", bench.t);
+  REQUIRE(bench.run_until([&] { return bench.over(); }, 30));
+  CHECK(bench.count<PrintCancelled>() == 1);
+  bench.run_for(10);
+  CHECK(bench.mock.aborts() >= 1);
+  CHECK(bench.mock.hotend().target() == 0);
+  CHECK_FALSE(bench.driver.closing());
+}
+
+TEST_CASE("the emergency stop is heard in the middle of a packet", "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  bench.print(kStart + moves(300));
+  REQUIRE(bench.run_until([&] { return bench.executed.size() > 100; }));
+  // Half a packet has left; the rest is thrown away.
+  bench.mock.feed(s3g::frame(std::string(32, 'x')).substr(0, 12));
+  const double asked = bench.t;
+  bench.driver.halt("button", bench.t);
+  CHECK(bench.driver.take_urgent());
+  REQUIRE(bench.run_until([&] { return bench.mock.aborts() > 0; }, 5));
+  CHECK(bench.t - asked < 0.01);
+  CHECK(bench.mock.drained());
+  REQUIRE(bench.run_until([&] { return bench.driver.closing(); }, 5));
+  CHECK(bench.failure() == "button");
+}
+
+TEST_CASE("a heater that fails ends the print with that reason", "[s3g]") {
+  mock::S3gOptions o = real_wire();
+  mock::Fault fault;
+  fault.kind = mock::FaultKind::kDeadHeater;
+  fault.trigger = mock::FaultTrigger::kTime;
+  fault.at = 20;
+  o.faults = {fault};
+  S3gBench bench(o);
+  REQUIRE(bench.connect());
+  REQUIRE(bench.print_through(kStart + moves(3000) + kEnd));
+  CHECK_THAT(bench.failure(), Catch::Contains("heater"));
+}
+
+TEST_CASE("a printer that prints from its card refuses, and says so", "[s3g]") {
+  mock::S3gOptions o = real_wire();
+  mock::Fault fault;
+  fault.kind = mock::FaultKind::kBusy;
+  fault.trigger = mock::FaultTrigger::kTime;
+  fault.at = 1;
+  fault.seconds = 100;
+  o.faults = {fault};
+  S3gBench bench(o);
+  REQUIRE(bench.connect());
+  bench.run_for(2);
+  REQUIRE(bench.print_through(kStart));
+  CHECK_THAT(bench.failure(), Catch::Contains("card"));
+}
+
+TEST_CASE("a restart in mid-print fails the print", "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  bench.print(kStart + moves(300));
+  REQUIRE(bench.run_until([&] { return bench.executed.size() > 100; }));
+  bench.mock.reset();
+  REQUIRE(bench.run_until([&] { return bench.over(); }, 10));
+  CHECK_THAT(bench.failure(), Catch::Contains("restarted"));
+}
+
+TEST_CASE("silence in mid-print ends it with a reason", "[s3g]") {
+  mock::S3gOptions o = real_wire();
+  mock::Fault fault;
+  fault.kind = mock::FaultKind::kSilence;
+  fault.trigger = mock::FaultTrigger::kTime;
+  fault.at = 60;
+  fault.seconds = 1e6;
+  o.faults = {fault};
+  S3gBench bench(o);
+  REQUIRE(bench.connect());
+  REQUIRE(bench.print_through(kStart + moves(3000)));
+  CHECK_THAT(bench.failure(), Catch::Contains("no longer answers"));
+  CHECK(bench.driver.closing());
+}
+
+TEST_CASE("a short silence is waited out", "[s3g]") {
+  mock::S3gOptions o = real_wire();
+  mock::Fault fault;
+  fault.kind = mock::FaultKind::kSilence;
+  fault.trigger = mock::FaultTrigger::kTime;
+  fault.at = 60;
+  fault.seconds = 5;
+  o.faults = {fault};
+  S3gBench bench(o);
+  REQUIRE(bench.connect());
+  const Lines file = kStart + moves(200) + kEnd;
+  REQUIRE(bench.print_through(file));
+  REQUIRE(bench.failure().empty());
+  check_executed(bench, file);
+}
+
+TEST_CASE("a line that cannot be translated ends the print, heaters off", "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  REQUIRE(bench.print_through(kStart + Lines{"G5 X1 Y1"} + moves(10)));
+  CHECK_THAT(bench.failure(), Catch::Contains("G5 X1 Y1"));
+  bench.run_for(5);
+  CHECK(bench.mock.hotend().target() == 0);
+}
+
+TEST_CASE("temperatures are told while idle, heating and printing", "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  bench.run_for(11);
+  CHECK(bench.count<Temperatures>() >= 2);
+  bench.events.clear();
+  bench.print(kStart + moves(3000));
+  bench.run_for(60);
+  CHECK(bench.count<Temperatures>() >= 20);
+  const auto& last =
+      std::get<Temperatures>(std::find_if(bench.events.rbegin(), bench.events.rend(), [](const Event& e) {
+                               return std::holds_alternative<Temperatures>(e.what);
+                             })->what);
+  CHECK(last.sensors.at("T0").target_c == 100);
+  CHECK(last.sensors.at("T0").actual_c == Approx(100).margin(3));
+}
+
+TEST_CASE("a command of the user's goes between the print's own", "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  bench.print(kStart + moves(100) + kEnd);
+  REQUIRE(bench.run_until([&] { return bench.executed.size() > 60; }));
+  bench.driver.command("M104 S120", bench.t);
+  bench.driver.command("G5", bench.t);
+  REQUIRE(bench.run_until([&] { return bench.mock.hotend().target() == 120; }, 30));
+  CHECK(bench.said("not sent: G5"));
+}
