@@ -36,6 +36,31 @@ struct OrientConfig {
   double budget_s = 20;
 };
 
+enum class PinBias { as_is, disabled, pull_up, pull_down };
+
+struct PinConfig {
+  std::string chip;  ///< device name, path or label; empty: whichever chip has the line
+  std::string line;  ///< name or offset
+  bool active_low = false;
+  PinBias bias = PinBias::as_is;
+  double debounce_ms = 0;  ///< inputs: a change counts once it has lasted for this long
+};
+
+/// What is wired to the computer's pins; what is not named is not there. Inputs with a normally closed contact
+/// to ground are active when the contact opens, so that a cut wire counts as well.
+struct PinsConfig {
+  std::optional<PinConfig> emergency_stop;  ///< active: pulled
+  std::optional<PinConfig> bed_button;      ///< active: pressed
+  std::optional<PinConfig> door;            ///< active: open
+  std::optional<PinConfig> filament;        ///< active: none left
+  std::optional<PinConfig> relay;           ///< active: the heaters' supply is on
+  std::optional<PinConfig> led;
+  std::optional<PinConfig> light;
+  double power_up_s = 3;        ///< from the relay's click until the printer may be spoken to
+  double idle_off_s = 0;        ///< the relay goes off after so long without work; 0: it stays on
+  bool light_printing = true;   ///< the light goes on with a print, and off after it
+};
+
 struct PrinterConfig {
   std::string name;
   std::string profile;
@@ -46,6 +71,7 @@ struct PrinterConfig {
   std::vector<std::filesystem::path> watch;
   bool auto_clear = false;
   std::filesystem::path clock;  ///< empty: the computer's
+  PinsConfig pins;
 };
 
 struct DaemonConfig {
@@ -77,6 +103,9 @@ std::filesystem::path default_config_file();
 /// Refuses watched folders in which a dropped file would be met twice: one that is watched already, also by
 /// another name, and the `done` or `failed` of a watched one. Throws ConfigError that names both.
 void check_folders(const DaemonConfig& config);
+
+/// Refuses a pin that is given two uses. Throws ConfigError that names both.
+void check_pins(const DaemonConfig& config);
 
 /// Throws ConfigError.
 DaemonConfig load_daemon(const std::filesystem::path& file);

@@ -3,6 +3,7 @@
 
 #include "config/config.h"
 #include "config/fields.h"
+#include "config/pins.h"
 
 namespace voidpath::config {
 
@@ -52,6 +53,7 @@ void read_printer(Reader& r, PrinterConfig& p, const fs::path& base) {
   r.paths("watch", p.watch);
   r.flag("auto_clear", p.auto_clear);
   r.path("clock", p.clock);
+  r.section("pins", [&](Reader& pins) { read_pins(pins, p.pins); });
   if (p.name.empty()) r.fail("name", "every printer needs a name");
   if (p.profile.empty()) r.fail("profile", "which printer is it? Name a profile, such as generic-marlin");
   if (p.port.empty()) r.fail("port", "a serial port is wanted, such as /dev/serial/by-id/usb-...");
@@ -69,6 +71,7 @@ void check_printers(const DaemonConfig& c) {
     load_profile(p.profile, p.material, p.quality);
   }
   check_folders(c);
+  check_pins(c);
 }
 
 /// The folder itself, whatever links lead to it; it need not exist yet.

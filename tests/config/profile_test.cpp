@@ -1,45 +1,18 @@
-#include <catch2/catch.hpp>
+#include "config/config.h"
+#include "config/digest.h"
+#include "config/fields.h"
+#include "tests/config/scratch.h"
 
 #include <filesystem>
 #include <fstream>
 
-#include <unistd.h>
-
-#include "config/config.h"
-#include "config/digest.h"
-#include "config/fields.h"
+#include <catch2/catch.hpp>
 
 using namespace voidpath;
 using namespace voidpath::config;
+using voidpath::test::error_of;
+using voidpath::test::Scratch;
 namespace fs = std::filesystem;
-
-namespace {
-
-/// A folder that is gone at the end.
-struct Scratch {
-  Scratch() {
-    std::string name = (fs::temp_directory_path() / "voidpath-config-XXXXXX").string();
-    dir = ::mkdtemp(name.data());
-  }
-  ~Scratch() { fs::remove_all(dir); }
-  fs::path write(const std::string& name, const std::string& text) const {
-    std::ofstream(dir / name) << text;
-    return dir / name;
-  }
-  fs::path dir;
-};
-
-template <class F>
-std::string error_of(F&& f) {
-  try {
-    f();
-  } catch (const ConfigError& e) {
-    return e.what();
-  }
-  return "";
-}
-
-}  // namespace
 
 TEST_CASE("every shipped profile loads, alone and in every combination") {
   std::vector<std::string> printers, materials, qualities;
@@ -108,17 +81,25 @@ TEST_CASE("errors name file, line and the nearest valid key") {
   CHECK_THAT(unknown, Catch::Contains("did you mean 'perimeters'"));
   const std::string range = load("base: generic-marlin\nmachine:\n  nozzle_mm: 40\n");
   CHECK_THAT(range, Catch::Contains("p.yaml:3:") && Catch::Contains("out of range"));
-  CHECK_THAT(load("machine:\n  bed_mm: 220\n"), Catch::Contains(":2:") && Catch::Contains("list of 2 numbers"));
+  CHECK_THAT(load("machine:\n  bed_mm: 220\n"),
+             Catch::Contains(":2:") && Catch::Contains("list of 2 numbers"));
   CHECK_THAT(load("machine:\n  firmware: marlinn\n"), Catch::Contains("did you mean 'marlin'"));
   CHECK_THAT(load("slice:\n  perimeters: 2.5\n"), Catch::Contains("not a whole number"));
   CHECK_THAT(load("slice: {perimeters: 2\n"), Catch::Contains("not valid YAML"));
-  CHECK_THAT(load("slice:\n  perimeters: 2\n  perimeters: 3\n"), Catch::Contains(":3:") && Catch::Contains("twice"));
+  CHECK_THAT(load("slice:\n  perimeters: 2\n  perimeters: 3\n"),
+             Catch::Contains(":3:") && Catch::Contains("twice"));
   CHECK_THAT(load("base: p.yaml\n"), Catch::Contains("no such profile file"));
-  CHECK_THAT(load("base: " + (scratch.dir / "p.yaml").string() + "\n"), Catch::Contains("leads back to itself"));
-  CHECK_THAT(error_of([] { load_profile("generic-marlinn"); }), Catch::Contains("did you mean 'generic-marlin'"));
-  CHECK_THAT(error_of([] { load_profile("generic-marlin", {{"slice.layer_height_mm", "0.5"}}); }),
+  CHECK_THAT(load("base: " + (scratch.dir / "p.yaml").string() + "\n"),
+             Catch::Contains("leads back to itself"));
+  CHECK_THAT(error_of([] { load_profile("generic-marlinn"); }),
+             Catch::Contains("did you mean 'generic-marlin'"));
+  CHECK_THAT(error_of([] {
+               load_profile("generic-marlin", {{"slice.layer_height_mm", "0.5"}});
+             }),
              Catch::Contains("larger than machine.nozzle_mm"));
-  CHECK_THAT(error_of([] { load_profile("generic-marlin", {{"perimeters", "3"}}); }),
+  CHECK_THAT(error_of([] {
+               load_profile("generic-marlin", {{"perimeters", "3"}});
+             }),
              Catch::Contains("section.key=value"));
 }
 
@@ -141,9 +122,11 @@ TEST_CASE("a daemon configuration is checked as a whole") {
   const std::string one = "  - {name: a, profile: generic-marlin, port: /dev/ttyUSB0, watch: [in]}\n";
   CHECK(load("printers:\n" + one).empty());
   CHECK_THAT(load("printers:\n" + one + one), Catch::Contains("two printers are called 'a'"));
-  CHECK_THAT(load("printers:\n" + one + "  - {name: b, profile: generic-marlin, port: /dev/ttyUSB1, watch: [./in]}\n"),
+  CHECK_THAT(load("printers:\n" + one +
+                  "  - {name: b, profile: generic-marlin, port: /dev/ttyUSB1, watch: [./in]}\n"),
              Catch::Contains("watched twice"));
-  CHECK_THAT(load("printers:\n  - {name: a, profile: nothing-such, port: x}\n"), Catch::Contains("nothing-such"));
+  CHECK_THAT(load("printers:\n  - {name: a, profile: nothing-such, port: x}\n"),
+             Catch::Contains("nothing-such"));
   CHECK_THAT(load("printers:\n  - {profile: generic-marlin, port: x}\n"), Catch::Contains("needs a name"));
   CHECK_THAT(load("orient: {method: fast}\n"), Catch::Contains("not one of"));
   CHECK_THAT(load("stat_dir: /tmp\n"), Catch::Contains("did you mean 'state_dir'"));
@@ -160,9 +143,9 @@ TEST_CASE("no folder is watched in which a file would be met twice") {
   const auto load = [&](const std::string& left, const std::string& right) {
     return error_of([&] {
       load_daemon(scratch.write(
-          "v.yaml", "printers:\n  - {name: left, profile: generic-marlin, port: /dev/ttyUSB0, watch: [" + left +
-                        "]}\n  - {name: right, profile: generic-marlin, port: /dev/ttyUSB1, watch: [" + right +
-                        "]}\n"));
+          "v.yaml", "printers:\n  - {name: left, profile: generic-marlin, port: /dev/ttyUSB0, watch: [" +
+                        left + "]}\n  - {name: right, profile: generic-marlin, port: /dev/ttyUSB1, watch: [" +
+                        right + "]}\n"));
     });
   };
   fs::create_directories(scratch.dir / "in/failed");
@@ -172,7 +155,8 @@ TEST_CASE("no folder is watched in which a file would be met twice") {
   fs::create_directory_symlink(scratch.dir / "kept", scratch.dir / "other/done");
   CHECK(load("in", "other").empty());
   CHECK(load("in", "in/sub, donee, kept").empty());
-  CHECK_THAT(load("in", "link"), Catch::Contains("link of right is watched twice") && Catch::Contains("in of left"));
+  CHECK_THAT(load("in", "link"),
+             Catch::Contains("link of right is watched twice") && Catch::Contains("in of left"));
   CHECK_THAT(load("link/new", "in/new/"), Catch::Contains("watched twice"));
   for (const std::string name : {"done", "failed"}) {
     CHECK_THAT(load("in", "in/" + name), Catch::Contains("in/" + name + " of right is where"));
@@ -185,7 +169,8 @@ TEST_CASE("no folder is watched in which a file would be met twice") {
 TEST_CASE("what stands beside a model is read") {
   const Scratch scratch;
   const JobOverrides o = load_overrides(scratch.write(
-      "m.voidpath.yaml", "method: thesis\nquality: 0.28mm\nscale: 25.4\ncopies: 3\nset:\n  slice.perimeters: 5\n"));
+      "m.voidpath.yaml",
+      "method: thesis\nquality: 0.28mm\nscale: 25.4\ncopies: 3\nset:\n  slice.perimeters: 5\n"));
   CHECK(o.method == "thesis");
   CHECK(o.quality == "0.28mm");
   CHECK(o.scale == 25.4);
@@ -213,6 +198,7 @@ TEST_CASE("SHA-256 gives the published digest of abc") {
 TEST_CASE("numbers are read and written without a locale") {
   CHECK(parse_number("1.5e-3") == 1.5e-3);
   CHECK(parse_number("+2") == 2);
-  for (const char* bad : {"", "1,5", "abc", "1.5x", "nan", "inf", "+-1"}) CHECK_THROWS_AS(parse_number(bad), std::invalid_argument);
+  for (const char* bad : {"", "1,5", "abc", "1.5x", "nan", "inf", "+-1"})
+    CHECK_THROWS_AS(parse_number(bad), std::invalid_argument);
   CHECK(number_text(0.1) == "0.1");
 }
