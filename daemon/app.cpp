@@ -115,7 +115,8 @@ struct App::Parts {
         store(config.state_dir / "voidpath.db"),
         log([this](const auto& at, const auto& level, const auto& text) { store.log(at, level, text); }),
         settler(config.settle_s, real_probe()),
-        runner({loop, store, settler, log, prepare_input, real_services(), port_options}, config),
+        pins(fw::kernel_pins()),
+        runner({loop, store, settler, log, prepare_input, real_services(), port_options, pins.get()}, config),
         watcher(
             all_folders(config), [this](const fs::path& file) { found(file); },
             [this](const fs::path& folder, const std::string& what) {
@@ -150,6 +151,7 @@ struct App::Parts {
   JobStore store;
   EventLog log;
   Settler settler;
+  std::unique_ptr<fw::Pins> pins;
   Runner runner;
   FolderWatcher watcher;
   SnapshotBox box;

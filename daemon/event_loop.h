@@ -23,9 +23,8 @@ class EventLoop final : public Executor {
   void cancel(TimerId timer) noexcept override;
   double now_s() const noexcept override;
 
-  /// Calls `task` whenever fd is readable, until remove_fd. The fd stays the caller's.
-  void add_fd(int fd, Task task);
-  void remove_fd(int fd) noexcept;
+  void add_fd(int fd, Task task) override;
+  void remove_fd(int fd) noexcept override;
 
   /// Runs until quit().
   void run();

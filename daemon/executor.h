@@ -18,6 +18,9 @@ class Executor {
   virtual TimerId after(double seconds, Task task) = 0;
   /// Loop thread. Unknown or spent ids are ignored.
   virtual void cancel(TimerId timer) noexcept = 0;
+  /// Loop thread. Calls `task` whenever fd is readable, until remove_fd. The fd stays the caller's.
+  virtual void add_fd(int fd, Task task) = 0;
+  virtual void remove_fd(int fd) noexcept = 0;
   /// Any thread. CLOCK_MONOTONIC in s, or a test's clock.
   virtual double now_s() const noexcept = 0;
 };

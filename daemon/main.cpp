@@ -1,6 +1,7 @@
 #include "config/config.h"
 #include "daemon/app.h"
 #include "daemon/event_loop.h"
+#include "daemon/pins/printer_pins.h"
 #include "daemon/version.h"
 
 #include <csignal>
@@ -12,18 +13,20 @@
 namespace {
 
 constexpr const char* kHelp =
-    "usage: voidpathd [--config FILE] [--state-dir DIR] [--check]\n"
+    "usage: voidpathd [--config FILE] [--state-dir DIR] [--check | --pins-off]\n"
     "Watches folders, prepares what is dropped there and prints it. Runs in the foreground until SIGTERM.\n"
     "  --config FILE    default: $VOIDPATH_CONFIG, ~/.config/voidpath/voidpath.yaml, "
     "/etc/voidpath/voidpath.yaml\n"
     "  --state-dir DIR  instead of the configuration's state_dir\n"
     "  --check          checks the configuration and ends\n"
+    "  --pins-off       switches relays and lamps off and ends; for when the daemon has died\n"
     "exit codes: 0 done; 1 it failed; 2 wrong usage or configuration\n";
 
 struct Flags {
   std::string config;
   std::string state_dir;
   bool check = false;
+  bool pins_off = false;
 };
 
 int usage(const std::string& what) {
@@ -41,6 +44,10 @@ int run(const Flags& flags) {
     return 2;
   }
   auto settings = config::load_daemon(file);
+  if (flags.pins_off) {
+    daemon::switch_pins_off(settings, *fw::kernel_pins());
+    return 0;
+  }
   if (!flags.state_dir.empty()) settings.state_dir = flags.state_dir;
   settings = daemon::with_plain_paths(std::move(settings));
   daemon::check_config(settings);
@@ -71,6 +78,8 @@ int main(int argc, char** argv) {
     }
     if (arg == "--check") {
       flags.check = true;
+    } else if (arg == "--pins-off") {
+      flags.pins_off = true;
     } else if ((arg == "--config" || arg == "--state-dir") && i + 1 < argc) {
       (arg == "--config" ? flags.config : flags.state_dir) = argv[++i];
     } else {

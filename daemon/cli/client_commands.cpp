@@ -37,6 +37,7 @@ constexpr std::array<Plain, 10> kPlain = {{{"pause", 0, 0, ""},
                                            {"retry", 1, 1, "JOB"},
                                            {"resume-interrupted", 1, 1, "JOB"},
                                            {"discard", 1, 1, "JOB"}}};
+constexpr std::array<const char*, 2> kSwitches = {"power", "light"};
 constexpr std::array<const char*, 8> kOthers = {"status",      "add",  "queue",    "history",
                                                 "calibration", "logs", "terminal", "watch"};
 
@@ -50,6 +51,16 @@ int plain_command(const Plain& plain, const DaemonClient& client, const ClientFl
   if (count > 0) body.set("job", parse_job(flags.rest[0]));
   if (count > 1) body.set("place", parse_job(flags.rest[1]));
   const Json answer = client.command(plain.name, body);
+  if (flags.json) print_json(answer);
+  return 0;
+}
+
+int switch_command(const char* name, const DaemonClient& client, const ClientFlags& flags) {
+  if (flags.rest.size() != 1 || (flags.rest[0] != "on" && flags.rest[0] != "off"))
+    throw ClientError(kUsage, std::string("usage: voidpath ") + name + " on|off");
+  Json body = Json::object().set("switch", flags.rest[0]);
+  if (!flags.printer.empty()) body.set("printer", flags.printer);
+  const Json answer = client.command(name, body);
   if (flags.json) print_json(answer);
   return 0;
 }
@@ -124,6 +135,9 @@ bool is_client(const std::string& command) {
   for (const auto& plain : kPlain) {
     if (command == plain.name) return true;
   }
+  for (const char* name : kSwitches) {
+    if (command == name) return true;
+  }
   for (const char* name : kOthers) {
     if (command == name) return true;
   }
@@ -136,6 +150,9 @@ int run_client(const std::string& command, const std::vector<std::string>& args)
     const DaemonClient client(flags);
     for (const auto& plain : kPlain) {
       if (command == plain.name) return plain_command(plain, client, flags);
+    }
+    for (const char* name : kSwitches) {
+      if (command == name) return switch_command(name, client, flags);
     }
     return other_command(command, client, flags);
   } catch (const ClientError& error) {

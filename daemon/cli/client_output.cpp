@@ -48,6 +48,10 @@ void print_status(const Json& status) {
     if (const auto message = printer["job"]["message"].text(); !message.empty())
       std::printf("  %s\n", message.c_str());
     print_job("next:", printer["next"]);
+    std::string pins;
+    for (const auto& [name, state] : printer["pins"].members())
+      pins += (pins.empty() ? "  " : ", ") + name + ": " + state.text();
+    if (!pins.empty()) std::printf("%s\n", pins.c_str());
     if (const auto waiting = printer["waiting"].text(); !waiting.empty())
       std::printf("  waits: %s\n", waiting.c_str());
   }

@@ -23,6 +23,7 @@ With the daemon (--config FILE or --host HOST:PORT say where it is; --printer NA
   remove JOB                 take out of the queue         move JOB POS               1 is next
   pause, resume              the running print             cancel [JOB]               end it, heaters off
   stop                       emergency stop                bed-clear                  the bed is empty: go on
+  power on|off               the printer's relay           light on|off
   retry JOB                  the same again
   resume-interrupted JOB     print an interrupted one again from its beginning
   discard JOB                give an interrupted one up

@@ -1,5 +1,6 @@
 #include "daemon/jobs/printer.h"
 
+#include <thread>
 #include <utility>
 
 namespace voidpath::daemon {
@@ -59,9 +60,9 @@ void Printer::open() {
     const auto clock_id = identify(config_.clock);
     clock_inode_ = clock_id ? clock_id->inode : 0;
     auto port = services_.open_port(options_, clock, handler);
-    const std::lock_guard lock(port_mutex_);
     inbox_ = std::move(inbox);
     port_ = std::move(port);
+    live_ = port_.get();
     offline_reason_ = "not connected yet";
   } catch (const std::exception& error) {
     offline_reason_ = error.what();
@@ -75,11 +76,9 @@ void Printer::close() {
     inbox_->closed = true;
     inbox_->events.clear();
   }
-  std::unique_ptr<fw::PrinterPort> ending;
-  {
-    const std::lock_guard lock(port_mutex_);
-    ending = std::move(port_);
-  }
+  live_ = nullptr;
+  while (halting_ != 0) std::this_thread::yield();  // they only post
+  port_.reset();
   connected_ = false;
   offline_reason_ = "closed";
 }
@@ -138,7 +137,8 @@ void Printer::start(JobId job, const std::filesystem::path& gcode, std::vector<g
   port_->print(std::move(source));
 }
 
-void Printer::pause() {
+void Printer::pause(const std::string& reason) {
+  pause_reason_ = reason;
   if (port_) port_->pause();
 }
 
@@ -159,8 +159,10 @@ std::vector<std::string> Printer::dialogue() const {
 }
 
 void Printer::halt_now(const std::string& reason) noexcept {
-  const std::lock_guard lock(port_mutex_);
-  if (port_) port_->halt(reason);
+  if (pins_) pins_->cut();
+  ++halting_;
+  if (fw::PrinterPort* port = live_) port->halt(reason);
+  --halting_;
 }
 
 void take_times(PrintRecord& record, const PrintTimer& timer) {

@@ -3,15 +3,18 @@
 #include "config/config.h"
 #include "daemon/executor.h"
 #include "daemon/jobs/job_store.h"
+#include "daemon/pins/printer_pins.h"
 #include "daemon/timing/print_timer.h"
 #include "firmware-io/printer_port.h"
 
+#include <atomic>
 #include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace voidpath::daemon {
@@ -61,13 +64,19 @@ class Printer {
 
   /// Streams the file. Throws std::runtime_error when it cannot be opened or the port is not there.
   void start(JobId job, const std::filesystem::path& gcode, std::vector<gcode::LayerTime> layers);
-  void pause();
+  /// `reason` is told with the pause where the printer gives none.
+  void pause(const std::string& reason = {});
+  std::string take_pause_reason() { return std::exchange(pause_reason_, {}); }
   void resume();
   void cancel(const std::string& reason);
   void command(const std::string& line);
   std::vector<std::string> dialogue() const;
-  /// Emergency stop. Any thread, at once.
+  /// Emergency stop: the power first, then the printer. Any thread, at once; waits on no lock.
   void halt_now(const std::string& reason) noexcept;
+
+  /// What is wired to the computer for this printer; null: nothing. Before open().
+  void attach(std::unique_ptr<PrinterPins> pins) { pins_ = std::move(pins); }
+  PrinterPins* pins() const noexcept { return pins_.get(); }
 
   /// Kept between runs; whoever changes it saves it.
   PrinterMemory memory;
@@ -92,7 +101,8 @@ class Printer {
   OnEvent on_event_;
   std::shared_ptr<Inbox> inbox_;
   std::unique_ptr<fw::PrinterPort> port_;
-  std::mutex port_mutex_;  ///< guards port_ against halt_now(): held while port_ changes, and by halt_now()
+  std::atomic<fw::PrinterPort*> live_{nullptr};  ///< port_, for halt_now()
+  std::atomic<int> halting_{0};                  ///< how many are in halt_now(): close() waits for them
   std::uint64_t clock_inode_ = 0;
   Executor::TimerId retry_ = 0;
 
@@ -104,6 +114,8 @@ class Printer {
   fw::LinkStats link_;
   std::uint64_t position_ = 0;
   std::uint64_t size_ = 0;
+  std::string pause_reason_;
+  std::unique_ptr<PrinterPins> pins_;  ///< goes after the port: until then the emergency stop works
 };
 
 /// What the timer measured, into the history's record.

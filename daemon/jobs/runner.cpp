@@ -27,6 +27,7 @@ Runner::Runner(Services services, config::DaemonConfig config)
     printers_.push_back(
         std::make_unique<Printer>(s_.loop, printer, s_.port_options(printer), s_.port,
                                   [this](Printer& p, const fw::Event& e) { on_printer_event(p, e); }));
+    attach_pins(*printers_.back());
   }
 }
 

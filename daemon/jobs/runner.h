@@ -38,8 +38,11 @@ class Runner {
     PortServices port;
     /// What the session of a printer is opened with; may throw config::ConfigError.
     std::function<fw::PortOptions(const config::PrinterConfig&)> port_options;
+    /// Where pins come from; only for printers that have some.
+    fw::Pins* pins = nullptr;
   };
 
+  /// Throws fw::PinError where a configured pin cannot be had.
   Runner(Services services, config::DaemonConfig config);
   ~Runner();
   Runner(const Runner&) = delete;
@@ -66,6 +69,8 @@ class Runner {
   void discard(JobId job);
   void move(JobId job, std::int64_t place);  ///< 1 is the first of the queue
   void command_line(const std::string& printer, const std::string& line);
+  void power(const std::string& printer, bool on);
+  void light(const std::string& printer, bool on);
   /// After the ports have been halted: fails what was printing and holds the queue. Empty: all printers.
   void halted(const std::string& printer, const std::string& reason);
   /// Puts `upload` (a complete file in the printer's first watched folder) in the queue under `name`.
@@ -114,6 +119,12 @@ class Runner {
   void on_print_end(Printer& printer, const fw::Event& event);
   void on_prepared(JobId id, PrepareResult result);
   void correct(const Job& job, JobFacts& facts);
+
+  void attach_pins(Printer& printer);
+  void update_pins(Printer& printer);
+  void pins_of_event(Printer& printer, const fw::Event& event);
+  void pause_by_pin(Printer& printer, const std::string& reason);
+  bool about_to_print(const Printer& printer) const;
 
   void want_schedule();
   void schedule();

@@ -40,6 +40,8 @@ void Runner::pause(const std::string& name) {
 void Runner::resume(const std::string& name) {
   const Job* job = job_on(printer(name));
   if (job == nullptr) throw CommandError("nothing is being printed");
+  if (const auto* pins = printer(name).pins(); pins != nullptr && !pins->blocker().empty())
+    throw CommandError(pins->blocker() + ": see to that first");
   require(apply(job->id, Event::resume), *job, "resumed");
 }
 
@@ -63,11 +65,14 @@ void Runner::cancel(std::optional<JobId> id, const std::string& name) {
 void Runner::bed_clear(const std::string& name) {
   Printer& one = printer(name);
   if (job_on(one) || one.busy()) throw CommandError("the printer is at work: the bed is not clear");
+  if (one.pins() && one.pins()->stop_pulled())
+    throw CommandError("the emergency stop is pulled: let it go first");
   PrinterMemory memory = one.memory;
   memory.bed_clear = true;
   memory.held.clear();
   s_.store.save_printer(one.name(), memory);
   one.memory = memory;
+  if (one.pins()) one.pins()->acknowledge();
   s_.log.info("bed_clear", {{"printer", one.name()}});
   changed();
   want_schedule();

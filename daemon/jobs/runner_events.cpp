@@ -29,12 +29,15 @@ void Runner::on_printer_event(Printer& printer, const fw::Event& event) {
                           {"window", std::to_string(stats->window_bytes)}});
   }
   changed();
+  pins_of_event(printer, event);
   if (!job) return;
   if (std::holds_alternative<fw::MotionStarted>(what)) {
     happen(*job, Event::motion);
   } else if (const auto* paused = std::get_if<fw::Paused>(&what)) {
-    const std::string why =
-        paused->reason.empty() ? paused->by_printer ? "paused by the printer" : "" : paused->reason;
+    const std::string ours = printer.take_pause_reason();
+    const std::string why = !paused->reason.empty() ? paused->reason
+                            : paused->by_printer    ? "paused by the printer"
+                                                    : ours;
     happen(*job, Event::printer_paused, [why](Job& j) { j.message = why; });
   } else if (std::holds_alternative<fw::Resumed>(what)) {
     happen(*job, Event::printer_resumed, [](Job& j) { j.message.clear(); });

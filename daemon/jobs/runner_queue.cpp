@@ -18,7 +18,10 @@ void Runner::want_schedule() {
 
 void Runner::schedule() {
   if (stopping_) return;
-  for (const auto& printer : printers_) schedule_printer(*printer);
+  for (const auto& printer : printers_) {
+    schedule_printer(*printer);
+    update_pins(*printer);
+  }
   schedule_prepare();
 }
 
@@ -32,7 +35,9 @@ void Runner::schedule_printer(Printer& printer) {
   if (queue.front()->state == State::ready) decide(id, Event::turn);
   const auto head = jobs_.find(id);
   if (head == jobs_.end() || head->second.state != State::waiting_bed) return;
-  if (!printer.connected() || !printer.memory.bed_clear || !printer.memory.held.empty()) return;
+  if (!about_to_print(printer)) return;
+  update_pins(printer);
+  if (!printer.connected() || (printer.pins() && !printer.pins()->power_ready())) return;
   if (!identify(head->second.location)) {
     happen(id, Event::cancel, [](Job& job) { job.message = "its file was taken out of the folder"; });
     return;
@@ -174,6 +179,9 @@ std::string Runner::waiting_reason(const Printer& printer) const {
     if (job->state == State::interrupted && interrupted == nullptr) interrupted = job;
     if (queued(job->state) && head == nullptr) head = job;
   }
+  if (printer.pins() != nullptr && printer.pins()->stop_pulled()) {
+    return "the emergency stop is pulled: let it go, then `voidpath bed-clear`";
+  }
   if (!printer.memory.held.empty()) {
     return printer.memory.held + ": nothing starts before `voidpath bed-clear`";
   }
@@ -184,10 +192,13 @@ std::string Runner::waiting_reason(const Printer& printer) const {
   }
   if (head->state == State::received || head->state == State::preparing)
     return head->file_name() + " is being prepared";
-  if (!printer.connected()) return "the printer is not connected: " + printer.offline_reason();
+  const auto* pins = printer.pins();
+  if (pins != nullptr && !pins->blocker().empty()) return pins->blocker();
+  const bool powered = pins == nullptr || pins->power_ready();
+  if (!printer.connected() && powered) return "the printer is not connected: " + printer.offline_reason();
   if (!printer.memory.bed_clear)
     return "the bed is not known to be clear: take the part off, then `voidpath bed-clear`";
-  return {};
+  return powered ? "" : "the printer's power comes on";
 }
 
 }  // namespace voidpath::daemon

@@ -54,6 +54,12 @@ JobId job_in(const Json& body) {
   return body["job"].integer();
 }
 
+bool switch_in(const Json& body) {
+  const std::string to = body["switch"].text();
+  if (to != "on" && to != "off") throw CommandError("say on or off");
+  return to == "on";
+}
+
 /// Throws std::invalid_argument.
 JobOptions options_in(const HttpRequest& request) {
   JobOptions out;
@@ -221,6 +227,8 @@ void Api::run_command(const std::string& name, const Json& body) {
   if (name == "resume-interrupted") return runner_.resume_interrupted(job_in(body));
   if (name == "discard") return runner_.discard(job_in(body));
   if (name == "move") return runner_.move(job_in(body), body["place"].integer(1));
+  if (name == "power") return runner_.power(printer, switch_in(body));
+  if (name == "light") return runner_.light(printer, switch_in(body));
   if (name == "terminal") return runner_.command_line(printer, body["line"].text());
   throw CommandError("there is no command " + name);
 }

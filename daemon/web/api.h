@@ -13,7 +13,7 @@ namespace voidpath::daemon {
 /// everything else, waiting for its answer.
 ///
 /// GET  status, queue, history, history.csv, calibration, logs?after=ID, terminal?printer=NAME
-/// POST command/NAME with {"job", "printer", "place", "line"};
+/// POST command/NAME with {"job", "printer", "place", "line", "switch"};
 /// files?name=NAME&copies=&method=&scale=&printer=
 class Api {
  public:

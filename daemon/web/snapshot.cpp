@@ -24,6 +24,13 @@ std::string state_of(const Printer& printer, const Job* job) {
   return "idle";
 }
 
+Json pins_json(const Printer& printer) {
+  if (printer.pins() == nullptr) return {};
+  Json out = Json::object();
+  for (auto& [name, state] : printer.pins()->words()) out.set(name, std::move(state));
+  return out;
+}
+
 Json printer_json(const Runner& runner, const Printer& printer) {
   const Job* job = runner.job_on(printer);
   const Job* next = nullptr;
@@ -55,6 +62,7 @@ Json printer_json(const Runner& runner, const Printer& printer) {
       .set("resends", printing ? Json(printer.link().resends) : Json())
       .set("next", next ? job_json(*next) : Json())
       .set("waiting", runner.waiting_reason(printer))
+      .set("pins", pins_json(printer))
       .set("watch", std::move(watch));
   return out;
 }

@@ -41,8 +41,14 @@ void EmergencyStop::stop(const std::string& reason) {
   actions_.report(true, reason);
 }
 
+void EmergencyStop::tell(std::optional<bool> active) {
+  if (!active) return;
+  if (*active) return stop("the emergency stop was pulled");
+  pulled_ = false;
+  actions_.report(false, "the emergency stop was let go");
+}
+
 void EmergencyStop::run() noexcept {
-  static const std::string kPulled = "the emergency stop was pulled";
   const auto clock = steady_clock();
   // An edge that lasts no time at all still counts where no time is asked for.
   const bool at_once = options_.debounce_s <= 0;
@@ -56,19 +62,13 @@ void EmergencyStop::run() noexcept {
     if (fds[1].revents != 0) return;
     try {
       while (const auto edge = pin_->next_edge()) {
+        tell(contact.settle(edge->at_s));  // what had lasted until then
         contact.edge(edge->active, edge->at_s);
-        if (at_once && edge->active && contact.settle(edge->at_s)) stop(kPulled);
+        if (at_once) tell(contact.settle(edge->at_s));
       }
       const double then = clock->now_s();
       contact.level(pin_->active(), then);
-      if (const auto active = contact.settle(then)) {
-        if (*active) {
-          stop(kPulled);
-        } else {
-          pulled_ = false;
-          actions_.report(false, "the emergency stop was let go");
-        }
-      }
+      tell(contact.settle(then));
     } catch (const PinError& error) {
       stop(std::string("the emergency stop's pin failed: ") + error.what());
       return;  // a switch that cannot be read stays pulled

@@ -41,6 +41,7 @@ class EmergencyStop {
  private:
   void run() noexcept;
   void stop(const std::string& reason);
+  void tell(std::optional<bool> active);
 
   std::unique_ptr<InputPin> pin_;
   const EmergencyStopOptions options_;

@@ -13,25 +13,24 @@ bool Relay::drive_off() noexcept {
 
 bool Relay::cut() noexcept {
   cuts_.fetch_add(1);  // before the pin: on() looks at it after
-  const bool done = drive_off();
-  wanted_.store(false);
-  return done;
+  return drive_off();
 }
 
 bool Relay::off() noexcept {
-  wanted_.store(false);
+  on_.store(0);
   return drive_off();
 }
 
 bool Relay::on() {
-  if (is_cut()) return false;
+  const std::uint32_t before = cuts_.load();
+  if (before != forgiven_.load()) return false;
   pin_->set(true);
   // A cut that came between the look and the switch has found the pin still off: off again.
-  if (is_cut()) {
+  if (cuts_.load() != before) {
     drive_off();
     return false;
   }
-  wanted_.store(true);
+  on_.store(std::uint64_t{before} + 1);
   return true;
 }
 

@@ -23,7 +23,7 @@ class Relay {
   /// False while a cut stands. Throws PinError.
   bool on();
   bool is_cut() const noexcept { return cuts_.load() != forgiven_.load(); }
-  bool is_on() const noexcept { return wanted_.load() && !is_cut(); }
+  bool is_on() const noexcept { return on_.load() == std::uint64_t{cuts_.load()} + 1 && !is_cut(); }
 
   /// How many cuts there have been: what forgive() is to forgive. A cut that comes after stands.
   std::uint32_t cuts() const noexcept { return cuts_.load(); }
@@ -35,7 +35,7 @@ class Relay {
   std::unique_ptr<OutputPin> pin_;
   std::atomic<std::uint32_t> cuts_{0};
   std::atomic<std::uint32_t> forgiven_{0};
-  std::atomic<bool> wanted_{false};
+  std::atomic<std::uint64_t> on_{0};  ///< 0: off; else one more than the cuts there had been when it went on
 };
 
 }  // namespace voidpath::fw

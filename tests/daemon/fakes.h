@@ -3,6 +3,7 @@
 #include "daemon/executor.h"
 #include "daemon/jobs/runner.h"
 #include "tests/daemon/temp_dir.h"
+#include "tests/support/fake_pins.h"
 
 #include <algorithm>
 #include <chrono>
@@ -13,6 +14,8 @@
 #include <mutex>
 #include <string>
 #include <vector>
+
+#include <poll.h>
 
 namespace voidpath::test {
 
@@ -29,15 +32,21 @@ class ManualLoop final : public daemon::Executor {
     return last_;
   }
   void cancel(TimerId timer) noexcept override { timers_.erase(timer); }
+  void add_fd(int fd, Task task) override { readers_[fd] = std::move(task); }
+  void remove_fd(int fd) noexcept override { readers_.erase(fd); }
   double now_s() const noexcept override { return now_; }
 
-  /// Runs all that is posted, and what that posts.
+  /// Runs all that is posted and readable, and what that leads to.
   void run() {
     for (;;) {
       std::vector<Task> tasks;
       {
         const std::lock_guard lock(mutex_);
         tasks.swap(tasks_);
+      }
+      for (const auto& [fd, task] : readers_) {
+        pollfd waiting{fd, POLLIN, 0};
+        if (::poll(&waiting, 1, 0) > 0) tasks.push_back(task);
       }
       if (tasks.empty()) return;
       for (const auto& task : tasks) task();
@@ -71,6 +80,7 @@ class ManualLoop final : public daemon::Executor {
   std::mutex mutex_;
   std::condition_variable posted_;
   std::vector<Task> tasks_;
+  std::map<int, Task> readers_;
   std::map<TimerId, std::pair<double, Task>> timers_;
   TimerId last_ = 0;
   double now_ = 0;
@@ -117,13 +127,14 @@ class EmptySource final : public fw::LineSource {
 /// A runner with a store on disk and a printer of straw. restart() is a crash: nothing is told to anyone.
 class RunnerRig {
  public:
-  explicit RunnerRig(bool auto_clear = false) {
+  explicit RunnerRig(bool auto_clear = false, config::PinsConfig wired = {}) {
     config.state_dir = dir / "state";
     std::filesystem::create_directories(config.state_dir);
     config::PrinterConfig left;
     left.name = "left";
     left.watch = {dir / "inbox"};
     left.auto_clear = auto_clear;
+    left.pins = std::move(wired);
     std::filesystem::create_directories(left.watch[0]);
     config.printers = {left};
     prepare = [](const daemon::PrepareTask& task, const run::Context&) {
@@ -159,7 +170,7 @@ class RunnerRig {
     runner = std::make_unique<daemon::Runner>(
         daemon::Runner::Services{loop, *store, *settler, log,
                                  [this](const auto& task, const auto& ctx) { return prepare(task, ctx); },
-                                 port, [](const config::PrinterConfig&) { return fw::PortOptions{}; }},
+                                 port, [](const config::PrinterConfig&) { return fw::PortOptions{}; }, &pins},
         config);
     runner->start();
     loop.run();
@@ -215,6 +226,7 @@ class RunnerRig {
   TempDir dir;
   config::DaemonConfig config;
   ManualLoop loop;
+  FakePins pins;
   daemon::EventLog log{{}, false};
   FakePrinter printer;
   daemon::PrepareFunction prepare;
