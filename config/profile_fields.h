@@ -81,9 +81,14 @@ void visit_filament(V& v, toolpath::PrintSettings& p) {
 
 template <class V>
 void visit_slicing(V& v, toolpath::PrintSettings& p) {
+  using toolpath::InfillDirection;
   using toolpath::InfillPattern;
+  using toolpath::SolidPattern;
   using toolpath::SeamPosition;
   using toolpath::SupportMode;
+  const Names<SolidPattern> solid_patterns = {{"rectilinear", SolidPattern::rectilinear},
+                                              {"concentric", SolidPattern::concentric},
+                                              {"fermat", SolidPattern::fermat}};
   v.section("slice", [&](auto& s) {
     auto& x = p.slice;
     s.number("layer_height_mm", x.layer_height_mm, {0.02, 2});
@@ -93,15 +98,25 @@ void visit_slicing(V& v, toolpath::PrintSettings& p) {
     s.integer("perimeters", x.perimeters, {0, 100});
     s.integer("top_layers", x.top_layers, {0, 1000});
     s.integer("bottom_layers", x.bottom_layers, {0, 1000});
+    s.number("top_thickness_mm", x.top_thickness_mm, {0, 1000});
+    s.number("bottom_thickness_mm", x.bottom_thickness_mm, {0, 1000});
     s.number("infill_density", x.infill_density, kShare);
     s.choice("infill_pattern", x.infill_pattern,
              {{"rectilinear", InfillPattern::rectilinear},
               {"grid", InfillPattern::grid},
               {"concentric", InfillPattern::concentric},
-              {"gyroid", InfillPattern::gyroid}});
+              {"gyroid", InfillPattern::gyroid},
+              {"lightning", InfillPattern::lightning}});
+    s.integer("infill_every_layers", x.infill_every_layers, {1, 100});
+    s.choice("infill_direction", x.infill_direction,
+             {{"fixed", InfillDirection::fixed}, {"part", InfillDirection::part}, {"layer", InfillDirection::layer}});
     s.number("infill_angle_deg", x.infill_angle_deg, {-360, 360});
     s.number("infill_overlap", x.infill_overlap, kShare);
+    s.choice("solid_pattern", x.solid_pattern, solid_patterns);
+    s.choice("top_pattern", x.top_pattern, solid_patterns);
     s.flag("external_perimeters_first", x.external_perimeters_first);
+    s.number("small_perimeter_length_mm", x.small_perimeter_length_mm, {0, 10000});
+    s.number("bridge_flow", x.bridge_flow, {0.1, 3});
     s.choice("seam", x.seam,
              {{"nearest", SeamPosition::nearest}, {"aligned", SeamPosition::aligned}, {"rear", SeamPosition::rear}});
     s.choice("support", x.support,
@@ -128,6 +143,11 @@ void visit_slicing(V& v, toolpath::PrintSettings& p) {
     s.number("top_solid_infill_mm_s", x.top_solid_infill, kSpeed);
     s.number("support_mm_s", x.support, kSpeed);
     s.number("bridge_mm_s", x.bridge, kSpeed);
+    s.number("internal_bridge_mm_s", x.internal_bridge, kSpeed);
+    s.number("small_perimeter_mm_s", x.small_perimeter, kSpeed);
+    s.number("overhang_25_mm_s", x.overhang_25, {0, kSpeed.max});
+    s.number("overhang_50_mm_s", x.overhang_50, {0, kSpeed.max});
+    s.number("overhang_75_mm_s", x.overhang_75, {0, kSpeed.max});
     s.number("gap_fill_mm_s", x.gap_fill, kSpeed);
     s.number("travel_mm_s", x.travel, kSpeed);
     s.number("first_layer_mm_s", x.first_layer, kSpeed);

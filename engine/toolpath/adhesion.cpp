@@ -12,6 +12,14 @@ namespace {
 using geom::from_mm;
 using geom::Point;
 
+/// Loops around the part may be this much plainer than it, mm: they only have to be there, and short segments
+/// would slow the printer down.
+constexpr double kLoopToleranceMm = 0.02;
+
+geom::Regions plain(const geom::Regions& loops, const SliceSettings& settings) {
+  return geom::simplify(loops, from_mm(std::max(settings.resolution_mm, kLoopToleranceMm)));
+}
+
 double turn(const Point& a, const Point& b, const Point& c) {
   return static_cast<double>(b.x - a.x) * static_cast<double>(c.y - a.y) -
          static_cast<double>(b.y - a.y) * static_cast<double>(c.x - a.x);
@@ -51,7 +59,8 @@ geom::Rings brim_loops(const geom::Regions& footprint, const SliceSettings& sett
   const auto count = std::max(1, static_cast<int>(std::floor(settings.brim_width_mm / spacing)));
   const geom::Regions base = filled(footprint);
   for (int k = count; k-- > 0;)
-    for (auto& region : filled(geom::offset(base, from_mm(spacing * (k + 0.5)), geom::Join::round)))
+    for (auto& region :
+         plain(filled(geom::offset(base, from_mm(spacing * (k + 0.5)), geom::Join::round)), settings))
       out.push_back(std::move(region.outer));
   return out;
 }
@@ -66,7 +75,7 @@ geom::Rings skirt_loops(const geom::Regions& footprint, const SliceSettings& set
   const geom::Regions base{{std::move(hull), {}}};
   for (int k = settings.skirt_loops; k-- > 0;) {
     const double by = settings.skirt_gap_mm + bead.spacing_mm() * (k + 0.5);
-    for (auto& region : geom::offset(base, from_mm(by), geom::Join::round))
+    for (auto& region : plain(geom::offset(base, from_mm(by), geom::Join::round), settings))
       out.push_back(std::move(region.outer));
   }
   return out;

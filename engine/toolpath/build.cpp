@@ -3,7 +3,11 @@
 #include "engine/geom/polygon_ops.h"
 #include "engine/run/parallel_for.h"
 #include "engine/toolpath/adhesion.h"
+#include "engine/toolpath/combine_infill.h"
 #include "engine/toolpath/draft.h"
+#include "engine/toolpath/fill_directions.h"
+#include "engine/toolpath/lightning.h"
+#include "engine/toolpath/overhangs.h"
 #include "engine/toolpath/region_ops.h"
 #include "engine/toolpath/sequence.h"
 #include "engine/toolpath/supports.h"
@@ -80,16 +84,21 @@ Plan build(const slice::LayerStack& cuts, const PrintSettings& settings, const r
     inner[i] = inner_of(walls[i]);
   });
   ctx.progress("toolpaths", 0.3);
-  const std::vector<Surfaces> surfaces = find_surfaces(stack, inner, s, ctx);
+  std::vector<Surfaces> surfaces = find_surfaces(stack, inner, s, ctx);
   ctx.progress("toolpaths", 0.5);
   const std::vector<SupportAreas> supports = find_supports(stack, surfaces, s, ctx);
+  std::vector<geom::Polylines> lightning(n);
+  if (s.infill_pattern == InfillPattern::lightning) lightning = lightning_lines(surfaces, stack, s, ctx);
+  combine_infill(surfaces, stack, settings, ctx);
+  const std::vector<FillDirections> directions = choose_directions(surfaces, settings, ctx);
   ctx.progress("toolpaths", 0.7);
 
   std::vector<LayerDraft> drafts(n);
   std::vector<BeadSize> beads(n);
   run::parallel_for(ctx, n, [&](std::size_t i) {
     beads[i] = walls[i].bead;
-    drafts[i] = draft_layer(stack[i], i, std::move(walls[i]), surfaces[i], supports[i], settings);
+    drafts[i] = draft_layer(stack[i], i, std::move(walls[i]), surfaces[i], directions[i], lightning[i],
+                            supports[i], settings);
   });
   draft_adhesion(drafts, stack, supports, s);
   ctx.progress("toolpaths", 0.9);
@@ -104,7 +113,8 @@ Plan build(const slice::LayerStack& cuts, const PrintSettings& settings, const r
   std::vector<geom::Regions> supported(n);
   run::parallel_for(ctx, n, [&](std::size_t i) {
     if (i > 0)
-      mark_overhangs(plan.layers[i].paths, stack[i].regions, stack[i - 1].regions, beads[i].width_mm);
+      mark_overhangs(plan.layers[i].paths, stack[i].regions, stack[i - 1].regions, beads[i].width_mm,
+                     settings.speed);
     supported[i] = quick_unite(supports[i].sparse, supports[i].interface);
   });
   for (std::size_t i = 0; i < n; ++i) {

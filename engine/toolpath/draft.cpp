@@ -2,8 +2,10 @@
 
 #include "engine/geom/polygon_ops.h"
 #include "engine/toolpath/bead.h"
+#include "engine/toolpath/concentric_fill.h"
+#include "engine/toolpath/fermat_fill.h"
 #include "engine/toolpath/fill_paths.h"
-#include "engine/toolpath/gap_fill.h"
+#include "engine/toolpath/gap_lines.h"
 #include "engine/toolpath/hatch.h"
 #include "engine/toolpath/region_ops.h"
 #include "engine/toolpath/support_lines.h"
@@ -18,59 +20,41 @@ namespace {
 
 using geom::from_mm;
 
-/// Gap lines: beads stay within these widths, as shares of the line width; thinner is not printable,
-/// wider is met by the walls.
-constexpr double kMinGapWidth = 0.25;
-constexpr double kMaxGapWidth = 2.0;
-/// A gap line's bead changes when the width differs by this share.
-constexpr double kGapWidthStep = 0.15;
-/// Gap lines are simplified to this, mm: their place is known no better.
-constexpr double kGapToleranceMm = 0.03;
 /// Sparse infill is simplified to this, mm: nobody sees it.
 constexpr double kSparseToleranceMm = 0.05;
-/// Gap lines shorter than this many widths are blobs.
-constexpr double kMinGapLength = 1.0;
-
 void add_bridge(std::vector<Path>& out, const BridgeArea& bridge, const BeadSize& bead,
                 const PrintSettings& settings) {
   const double strand = settings.machine.nozzle_mm;
+  const double flow = settings.slice.bridge_flow;
+  const double width = strand * std::sqrt(flow);
   for (const auto& domain : centre_line_area(bridge.area, bead, settings.slice.infill_overlap)) {
     Hatch h = hatch({domain}, {bridge.angle_rad, strand, true, 3 * strand});
     for (auto& line : h.lines)
-      out.push_back(
-          make_path(Role::bridge_infill, std::move(line), false, strand, strand, strand_area_mm2(strand)));
+      out.push_back(make_path(Role::bridge_infill, std::move(line), false, width, strand,
+                              flow * strand_area_mm2(strand)));
   }
 }
 
-/// Cuts a centre line where its width changes, each piece with the mean width of its stretch.
-void add_gap_line(std::vector<Path>& out, const CentreLine& line, const BeadSize& bead, double tolerance_mm) {
-  const double low = kMinGapWidth * bead.width_mm;
-  const double high = kMaxGapWidth * bead.width_mm;
-  std::size_t i = 0;
-  const std::size_t n = line.points.size();
-  while (i + 1 < n) {
-    double length = 0;
-    double area = 0;  // length × width
-    geom::Polyline points{line.points[i]};
-    const double begin = 0.5 * (line.width_mm[i] + line.width_mm[i + 1]);
-    do {
-      const double d = geom::to_mm(1) * geom::distance(line.points[i], line.points[i + 1]);
-      length += d;
-      area += d * 0.5 * (line.width_mm[i] + line.width_mm[i + 1]);
-      points.push_back(line.points[++i]);
-    } while (i + 1 < n && std::abs(0.5 * (line.width_mm[i] + line.width_mm[i + 1]) - begin) <=
-                              kGapWidthStep * bead.width_mm);
-    if (length <= 0) continue;
-    // The gap is flanked by beads: its width is a spacing.
-    const double spacing = std::min(area / length, high);
-    if (spacing < low || (n < 3 && length < kMinGapLength * spacing)) continue;
-    const bool closed = line.closed && points.size() == n && points.front() == points.back();
-    points = geom::simplify(points, from_mm(std::max(tolerance_mm, kGapToleranceMm)));
-    if (closed) points.pop_back();
-    out.push_back(make_path(Role::gap_fill, std::move(points), closed,
-                            width_of_spacing_mm(spacing, bead.height_mm), bead.height_mm,
-                            spacing * bead.height_mm));
-  }
+/// Lines over sparse infill: its gaps are short, so the bead keeps the layer's height.
+void add_internal_bridge(std::vector<Path>& out, const geom::Region& domain, double angle_rad,
+                         const BeadSize& bead, const SliceSettings& settings) {
+  const std::size_t first = out.size();
+  add_fill(out, Role::internal_bridge, solid_fill(domain, angle_rad, bead), bead, settings.resolution_mm);
+  for (std::size_t i = first; i < out.size(); ++i) out[i].area_mm2 *= settings.bridge_flow;
+}
+
+void add_solid(std::vector<Path>& out, Role role, SolidPattern pattern, const geom::Region& domain,
+               double angle_rad, const BeadSize& bead, const SliceSettings& settings) {
+  if (pattern == SolidPattern::rectilinear)
+    return add_fill(out, role, solid_fill(domain, angle_rad, bead), bead, settings.resolution_mm);
+  RingFill fill = pattern == SolidPattern::fermat ? fermat_fill(domain, bead) : concentric_fill(domain, bead);
+  add_fill(out, role, std::move(fill.lines), bead, settings.resolution_mm);
+  add_gap_lines(out, fill.gaps, bead, settings.resolution_mm);
+}
+
+/// Infill of several layers at once: a bead as high as they are, at least as wide as that.
+BeadSize thick_bead(const BeadSize& bead, double height_mm) {
+  return {std::max(bead.width_mm, height_mm), height_mm};
 }
 
 /// Hands each region to the island that holds it.
@@ -79,8 +63,8 @@ class Sharer {
   explicit Sharer(const geom::Regions& islands) : islands_(islands) {
     for (const auto& r : islands) boxes_.push_back(geom::bounds(r.outer).value_or(geom::Box{}));
   }
-  std::size_t owner(const geom::Region& area) const {
-    const geom::Point& p = area.outer.front();
+  std::size_t owner(const geom::Region& area) const { return owner(area.outer.front()); }
+  std::size_t owner(const geom::Point& p) const {
     const geom::Box box{p, p};
     for (std::size_t i = 0; i < islands_.size(); ++i)
       if (overlap(boxes_[i], box) && (islands_.size() == 1 || geom::contains(islands_[i], p))) return i;
@@ -109,34 +93,49 @@ geom::Regions inner_of(const LayerWalls& walls) {
 }
 
 LayerDraft draft_layer(const slice::Layer& layer, std::size_t index, LayerWalls&& walls,
-                       const Surfaces& surfaces, const SupportAreas& support, const PrintSettings& settings) {
+                       const Surfaces& surfaces, const FillDirections& directions,
+                       const geom::Polylines& lightning, const SupportAreas& support,
+                       const PrintSettings& settings) {
   const SliceSettings& s = settings.slice;
   const BeadSize& bead = walls.bead;
   LayerDraft out;
   for (auto& island : walls.islands) {
     out.islands.push_back({std::move(island.walls), {}});
-    for (const auto& gap : island.gaps)
-      for (const auto& line : centre_lines(gap))
-        add_gap_line(out.islands.back().fills, line, bead, s.resolution_mm);
+    add_gap_lines(out.islands.back().fills, island.gaps, bead, s.resolution_mm);
   }
   const Sharer sharer(layer.regions);
   auto each = [&](const geom::Regions& areas, auto&& fill) {
     for (const auto& domain : centre_line_area(areas, bead, s.infill_overlap))
       if (!domain.outer.empty()) fill(domain, out.islands[sharer.owner(domain)].fills);
   };
-  const double angle = layer_angle_rad(s, index);
   for (const auto& bridge : surfaces.bridges)
     if (!bridge.area.empty())
       add_bridge(out.islands[sharer.owner(bridge.area.front())].fills, bridge, bead, settings);
+  for (const auto& bridge : surfaces.internal_bridges)
+    each(bridge.area, [&](const geom::Region& domain, std::vector<Path>& fills) {
+      add_internal_bridge(fills, domain, bridge.anchored ? bridge.angle_rad : directions.over_sparse, bead,
+                          s);
+    });
   each(surfaces.solid, [&](const geom::Region& domain, std::vector<Path>& fills) {
-    add_fill(fills, Role::solid_infill, solid_fill(domain, angle, bead), bead, s.resolution_mm);
+    add_solid(fills, Role::solid_infill, s.solid_pattern, domain, directions.solid, bead, s);
   });
-  each(surfaces.sparse, [&](const geom::Region& domain, std::vector<Path>& fills) {
-    add_fill(fills, Role::infill, sparse_fill(domain, s, index, layer.span, bead), bead,
-             std::max(s.resolution_mm, kSparseToleranceMm));
-  });
+  const double plain = std::max(s.resolution_mm, kSparseToleranceMm);
+  if (s.infill_pattern == InfillPattern::lightning) {
+    for (const auto& line : lightning)
+      add_fill(out.islands[sharer.owner(line.front())].fills, Role::infill,
+               {{line}, false, bead.spacing_mm()}, bead, plain);
+  } else {
+    each(surfaces.sparse, [&](const geom::Region& domain, std::vector<Path>& fills) {
+      add_fill(fills, Role::infill, sparse_fill(domain, s, directions.sparse, layer.span, bead), bead, plain);
+    });
+    const BeadSize thick = thick_bead(bead, surfaces.thick_mm);
+    each(surfaces.thick, [&](const geom::Region& domain, std::vector<Path>& fills) {
+      add_fill(fills, Role::infill, sparse_fill(domain, s, directions.thick, layer.span, thick), thick,
+               plain);
+    });
+  }
   each(surfaces.top, [&](const geom::Region& domain, std::vector<Path>& fills) {
-    add_fill(fills, Role::top_solid_infill, solid_fill(domain, angle, bead), bead, s.resolution_mm);
+    add_solid(fills, Role::top_solid_infill, s.top_pattern, domain, directions.solid, bead, s);
   });
   out.support = support_lines(support, index, bead, s);
   return out;

@@ -2,6 +2,7 @@
 
 #include "engine/geom/polygon.h"
 #include "engine/slice/layer.h"
+#include "engine/toolpath/fill_directions.h"
 #include "engine/toolpath/infill.h"
 #include "engine/toolpath/perimeters.h"
 #include "engine/toolpath/plan.h"
@@ -38,8 +39,11 @@ LayerWalls draft_walls(const slice::Layer& layer, std::size_t index, const Slice
 /// All inner areas of the layer together.
 geom::Regions inner_of(const LayerWalls& walls);
 
-/// Lines for every area of the layer, handed to the islands they belong to.
+/// Lines for every area of the layer, handed to the islands they belong to. `lightning`: its sparse infill
+/// where that is the pattern.
 LayerDraft draft_layer(const slice::Layer& layer, std::size_t index, LayerWalls&& walls,
-                       const Surfaces& surfaces, const SupportAreas& support, const PrintSettings& settings);
+                       const Surfaces& surfaces, const FillDirections& directions,
+                       const geom::Polylines& lightning, const SupportAreas& support,
+                       const PrintSettings& settings);
 
 }  // namespace voidpath::toolpath

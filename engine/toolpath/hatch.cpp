@@ -19,6 +19,10 @@ constexpr double kBorderClearance = 1000.0;
 /// Fitted rows may lie this much further apart than asked before one more row is added.
 constexpr double kMaxStretch = 1.15;
 
+/// A border that is this much shorter at its extreme than half a row further in is no edge but a curve or a
+/// corner: the first row keeps half a spacing from it, since at the extreme it would be a dot.
+constexpr double kEdgeShare = 0.5;
+
 /// In the frame turned so that rows are horizontal, nm.
 struct Turned {
   double x;
@@ -77,15 +81,36 @@ class Hatcher {
   void place_rows() {
     spacing_ = options_.spacing_mm * geom::kNmPerMm;
     if (!options_.fit) return;
-    const double extent = max_y_ - min_y_ - 2 * kBorderClearance;
+    const double low = setback(min_y_, 1), high = setback(max_y_, -1);
+    const double extent = max_y_ - min_y_ - 2 * kBorderClearance - low - high;
     if (extent <= spacing_ * 0.5) {
       first_ = 0.5 * (min_y_ + max_y_);
       return;
     }
-    first_ = min_y_ + kBorderClearance;
+    first_ = min_y_ + kBorderClearance + low;
     double rows = std::floor(extent / spacing_);
     if (rows < 1 || extent / rows > kMaxStretch * spacing_) rows += 1;
     spacing_ = extent / rows;
+  }
+
+  /// How far the outermost row keeps from the area's extreme at y; the area lies on the side of `way`.
+  double setback(double y, double way) const {
+    const double at_edge = width_at(y + way * kBorderClearance);
+    return at_edge < kEdgeShare * width_at(y + way * 0.5 * spacing_) ? 0.5 * spacing_ : 0.0;
+  }
+
+  /// Length of a row at y within the area.
+  double width_at(double y) const {
+    double sum = 0;
+    for (const auto& ring : rings_)
+      for (std::size_t e = 0; e < ring.size(); ++e) {
+        const Turned& a = ring[e];
+        const Turned& b = ring[(e + 1) % ring.size()];
+        if ((a.y < y) == (b.y < y)) continue;
+        const double x = a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x);
+        sum += a.y < b.y ? x : -x;
+      }
+    return std::abs(sum);
   }
 
   /// The first row at or above y.

@@ -65,25 +65,20 @@ geom::Regions centre_line_area(const geom::Regions& area, const BeadSize& bead, 
   return inset == 0 ? area : geom::offset(area, -from_mm(inset));
 }
 
-double layer_angle_rad(const SliceSettings& settings, std::size_t layer) {
-  return (settings.infill_angle_deg + (layer % 2 == 0 ? 0.0 : 90.0)) * pi / 180.0;
-}
-
 FillLines solid_fill(const geom::Region& domain, double angle_rad, const BeadSize& bead) {
   const double spacing = bead.spacing_mm();
   Hatch h = hatch({domain}, {angle_rad, spacing, true, kSolidLinkSpacings * spacing});
   return {std::move(h.lines), false, h.spacing_mm};
 }
 
-FillLines sparse_fill(const geom::Region& domain, const SliceSettings& settings, std::size_t layer,
+FillLines sparse_fill(const geom::Region& domain, const SliceSettings& settings, double angle,
                       const slice::LayerSpan& span, const BeadSize& bead) {
   const double line = bead.spacing_mm();
   const double density = std::clamp(settings.infill_density, 0.0, 1.0);
   if (density <= 0) return {};
-  const double angle = settings.infill_angle_deg * pi / 180.0;
   switch (settings.infill_pattern) {
     case InfillPattern::rectilinear:
-      return lattice(domain, layer_angle_rad(settings, layer), line / density, line);
+      return lattice(domain, angle, line / density, line);
     case InfillPattern::grid: {
       FillLines out = lattice(domain, angle, 2 * line / density, line);
       FillLines across = lattice(domain, angle + pi / 2, 2 * line / density, line);
@@ -95,6 +90,8 @@ FillLines sparse_fill(const geom::Region& domain, const SliceSettings& settings,
       return concentric(domain, line / density, line);
     case InfillPattern::gyroid:
       return gyroid(domain, span.cut_mm(), kGyroidLengthDensity * line / density, line);
+    case InfillPattern::lightning:
+      break;
   }
   return {};
 }

@@ -20,12 +20,10 @@ geom::Regions centre_line_area(const geom::Regions& area, const BeadSize& bead, 
 /// Lines side by side over one region of centre_line_area().
 FillLines solid_fill(const geom::Region& domain, double angle_rad, const BeadSize& bead);
 
-/// The settings' pattern at the settings' density, over the region; continues from layer to layer.
-FillLines sparse_fill(const geom::Region& domain, const SliceSettings& settings, std::size_t layer,
+/// The settings' pattern at the settings' density, over the region; continues from layer to layer. Not for
+/// lightning, which has to look at all layers.
+FillLines sparse_fill(const geom::Region& domain, const SliceSettings& settings, double angle_rad,
                       const slice::LayerSpan& span, const BeadSize& bead);
-
-/// Direction of a layer's lines: alternates by 90° from layer to layer.
-double layer_angle_rad(const SliceSettings& settings, std::size_t layer);
 
 /// The gyroid's cut at height z with the period given, over the box; lines run right through.
 geom::Polylines gyroid_lines(const geom::Box& box, double z_mm, double period_mm);

@@ -23,6 +23,8 @@ double role_speed(Role role, const SpeedSettings& s) {
     case Role::overhang_perimeter:
     case Role::bridge_infill:
       return s.bridge;
+    case Role::internal_bridge:
+      return s.internal_bridge;
     case Role::infill:
       return s.infill;
     case Role::solid_infill:
@@ -48,13 +50,16 @@ double length_mm(const Path& path) {
 
 double path_speed_mm_s(const Path& path, std::size_t layer, const PrintSettings& settings) {
   double v = layer == 0 ? settings.speed.first_layer : role_speed(path.role, settings.speed);
+  if (path.max_speed_mm_s > 0) v = std::min(v, path.max_speed_mm_s);
   const double flow = path.area_mm2 * settings.filament.flow;
   if (settings.filament.max_flow_mm3_s > 0 && flow > 0)
     v = std::min(v, settings.filament.max_flow_mm3_s / flow);
   return std::max(v, kLeastSpeedMmS);
 }
 
-bool keeps_speed(Role role) { return role == Role::bridge_infill || role == Role::overhang_perimeter; }
+bool keeps_speed(Role role) {
+  return role == Role::bridge_infill || role == Role::internal_bridge || role == Role::overhang_perimeter;
+}
 
 double Pace::apply(double speed_mm_s, Role role) const {
   if (factor >= 1 || keeps_speed(role)) return speed_mm_s;

@@ -19,6 +19,7 @@ std::string_view type_name(Role role) {
     case Role::top_solid_infill:
       return "Top solid infill";
     case Role::bridge_infill:
+    case Role::internal_bridge:
       return "Bridge infill";
     case Role::gap_fill:
       return "Gap fill";

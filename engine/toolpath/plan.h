@@ -19,6 +19,7 @@ enum class Role {
   solid_infill,
   top_solid_infill,
   bridge_infill,
+  internal_bridge,  ///< solid lines that span the gaps of sparse infill
   gap_fill,
   support,
   support_interface,
@@ -37,6 +38,7 @@ struct Path {
   double height_mm = 0.2;  ///< thickness of the bead; a bridge's is its diameter
   /// Bead cross-section, mm²: volume per length before the filament's flow factor.
   double area_mm2 = 0;
+  double max_speed_mm_s = 0;  ///< beside the role's; 0: no limit of its own
 };
 
 /// Everything printed at one height, in printing order. Travels between paths are added by emit().

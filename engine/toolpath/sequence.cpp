@@ -1,9 +1,6 @@
 #include "engine/toolpath/sequence.h"
 
-#include "engine/geom/area_grid.h"
-#include "engine/geom/polygon_ops.h"
 #include "engine/toolpath/order.h"
-#include "engine/toolpath/region_ops.h"
 
 #include <algorithm>
 #include <limits>
@@ -13,11 +10,6 @@ namespace voidpath::toolpath {
 namespace {
 
 using geom::Point;
-
-/// A bead is carried when at least this share of its width lies on the layer below.
-constexpr double kCarriedShare = 0.5;
-/// Overhanging stretches shorter than this stay part of their wall, mm.
-constexpr double kMinOverhangMm = 0.5;
 
 const Point& end_of(const Path& path) { return path.closed ? path.points.front() : path.points.back(); }
 
@@ -37,20 +29,6 @@ Stop stop_of(const IslandDraft& island) {
     p = island.fills.front().points.front();
   }
   return {p, p, true};
-}
-
-/// Stretches that are too short join the one before them.
-std::vector<geom::Piece> merge_short(std::vector<geom::Piece>&& pieces) {
-  std::vector<geom::Piece> out;
-  for (auto& piece : pieces) {
-    const bool is_short = geom::length(piece.points) < kMinOverhangMm * geom::kNmPerMm;
-    if (!out.empty() && (is_short || out.back().inside == piece.inside)) {
-      out.back().points.insert(out.back().points.end(), piece.points.begin() + 1, piece.points.end());
-    } else {
-      out.push_back(std::move(piece));
-    }
-  }
-  return out;
 }
 
 }  // namespace
@@ -96,6 +74,8 @@ void Sequencer::print_wall(Wall&& wall, const BeadSize& bead) {
     path.width_mm = bead.width_mm;
     path.height_mm = bead.height_mm;
     path.area_mm2 = bead.area_mm2();
+    if (geom::perimeter(path.points) <= settings_.slice.small_perimeter_length_mm * geom::kNmPerMm)
+      path.max_speed_mm_s = settings_.speed.small_perimeter;
     loops.push_back(std::move(path));
   }
   if (!settings_.slice.external_perimeters_first) std::reverse(loops.begin(), loops.end());
@@ -137,41 +117,6 @@ std::vector<Path> Sequencer::order(LayerDraft&& draft, const BeadSize& bead) {
       print_fill(std::move(draft.support[v.index - islands]), v.reversed);
   }
   return std::move(out_);
-}
-
-void mark_overhangs(std::vector<Path>& paths, const geom::Regions& own, const geom::Regions& below,
-                    double width_mm) {
-  if (own == below) return;
-  const geom::Regions carried = geom::offset(below, geom::from_mm((1.0 - kCarriedShare) * 0.5 * width_mm));
-  const geom::Regions hanging = quick_subtract(own, carried);
-  if (hanging.empty()) return;
-  const geom::Box box = grown(*geom::bounds(hanging), geom::from_mm(width_mm));
-  const geom::AreaGrid grid(carried);
-  std::vector<Path> out;
-  for (Path& path : paths) {
-    const auto own_box = geom::bounds(path.points);
-    const bool wall = path.role == Role::external_perimeter || path.role == Role::perimeter;
-    if (!wall || !own_box || !overlap(*own_box, box)) {
-      out.push_back(std::move(path));
-      continue;
-    }
-    geom::Polyline line = path.points;
-    if (path.closed) line.push_back(line.front());
-    std::vector<geom::Piece> pieces = merge_short(grid.split(line));
-    if (pieces.size() <= 1) {
-      if (!pieces.empty() && !pieces.front().inside) path.role = Role::overhang_perimeter;
-      out.push_back(std::move(path));
-      continue;
-    }
-    for (geom::Piece& piece : pieces) {
-      Path part = path;
-      part.closed = false;
-      part.points = std::move(piece.points);
-      if (!piece.inside) part.role = Role::overhang_perimeter;
-      out.push_back(std::move(part));
-    }
-  }
-  paths = std::move(out);
 }
 
 }  // namespace voidpath::toolpath

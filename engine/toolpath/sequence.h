@@ -30,9 +30,4 @@ class Sequencer {
   std::vector<Path> out_;
 };
 
-/// Cuts external and inner perimeters where they hang over air: what `below` (the outline of the layer
-/// underneath) does not carry becomes overhang_perimeter. Order and direction stay.
-void mark_overhangs(std::vector<Path>& paths, const geom::Regions& own, const geom::Regions& below,
-                    double width_mm);
-
 }  // namespace voidpath::toolpath

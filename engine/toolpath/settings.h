@@ -5,7 +5,11 @@
 
 namespace voidpath::toolpath {
 
-enum class InfillPattern { rectilinear, grid, concentric, gyroid };
+enum class InfillPattern { rectilinear, grid, concentric, gyroid, lightning };
+enum class SolidPattern { rectilinear, concentric, fermat };
+/// Where lines of infill run: as infill_angle says, or whichever way prints soonest, one for the whole part
+/// or one for each solid layer.
+enum class InfillDirection { fixed, part, layer };
 enum class SupportMode { none, plate, everywhere };
 enum class SeamPosition { nearest, aligned, rear };
 
@@ -18,11 +22,20 @@ struct SliceSettings {
   int perimeters = 2;
   int top_layers = 5;
   int bottom_layers = 4;
+  double top_thickness_mm = 0.7;  ///< as many layers more as this takes; with top_layers 0 there is no top
+  double bottom_thickness_mm = 0.5;
   double infill_density = 0.15;  ///< 0 to 1
   InfillPattern infill_pattern = InfillPattern::rectilinear;
+  int infill_every_layers =
+      1;  ///< sparse infill of up to this many layers at once, no thicker than the nozzle
+  InfillDirection infill_direction = InfillDirection::fixed;
   double infill_angle_deg = 45;
+  SolidPattern solid_pattern = SolidPattern::rectilinear;
+  SolidPattern top_pattern = SolidPattern::rectilinear;
   double infill_overlap = 0.25;  ///< of a line width, into the perimeters
   bool external_perimeters_first = false;
+  double small_perimeter_length_mm = 40;  ///< loops up to this keep to speed.small_perimeter
+  double bridge_flow = 1.0;               ///< of a bridge's strand, a round one of the nozzle's width
   SeamPosition seam = SeamPosition::nearest;
   SupportMode support = SupportMode::everywhere;
   double support_angle_deg = 45;  ///< from vertical: what leans out further is supported
@@ -48,6 +61,12 @@ struct SpeedSettings {
   double top_solid_infill = 40;
   double support = 50;
   double bridge = 30;
+  double internal_bridge = 30;  ///< the first solid layer over sparse infill
+  double small_perimeter = 25;
+  /// Walls of whose bead a quarter, a half, three quarters at least hang over air; 0 doesn't slow them.
+  double overhang_25 = 0;
+  double overhang_50 = 20;
+  double overhang_75 = 15;
   double gap_fill = 30;
   double travel = 180;
   double first_layer = 20;

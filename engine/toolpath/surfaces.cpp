@@ -2,6 +2,7 @@
 
 #include "engine/geom/polygon_ops.h"
 #include "engine/run/parallel_for.h"
+#include "engine/toolpath/internal_bridges.h"
 #include "engine/toolpath/region_ops.h"
 
 #include <algorithm>
@@ -18,14 +19,46 @@ using Shared = std::shared_ptr<const Regions>;
 
 /// Steps between layers narrower than this do not count as a surface, mm: noise of slicing.
 constexpr double kMinSurfaceMm = 0.05;
-/// Solid areas reach this many widths into the sparse area beside them.
-constexpr double kSkinAnchorWidths = 1.0;
 /// Bridges reach this far onto the material beside them, mm.
 constexpr double kBridgeAnchorMm = 1.2;
 /// What hangs over air by less than this many widths inside the walls is no bridge: the walls carry it.
 constexpr double kMinBridgeWidths = 1.0;
 /// Sparse areas narrower than this many widths are filled solid.
 constexpr double kMinSparseWidths = 2.0;
+/// Heights that differ by less are equal, mm.
+constexpr double kSameHeightMm = 1e-6;
+
+/// How many layers above and below each make its shells.
+class ShellCounts {
+ public:
+  ShellCounts(const slice::LayerStack& stack, const SliceSettings& settings)
+      : stack_(stack), settings_(settings) {}
+
+  /// A layer is solid while the layers above it up to the surface are thinner than asked.
+  std::size_t top(std::size_t i) const {
+    if (settings_.top_layers <= 0) return 0;
+    const double limit = stack_[i].span.top_mm + settings_.top_thickness_mm - kSameHeightMm;
+    std::size_t k = 1;
+    while (i + k < stack_.size() && stack_[i + k].span.top_mm < limit) ++k;
+    return std::max(k, static_cast<std::size_t>(settings_.top_layers));
+  }
+  std::size_t bottom(std::size_t i) const {
+    if (settings_.bottom_layers <= 0) return 0;
+    const double limit = stack_[i].span.bottom_mm - settings_.bottom_thickness_mm + kSameHeightMm;
+    std::size_t k = 1;
+    while (k <= i && stack_[i - k].span.bottom_mm > limit) ++k;
+    return std::max(k, static_cast<std::size_t>(settings_.bottom_layers));
+  }
+  std::size_t longest() const {
+    std::size_t most = 1;
+    for (std::size_t i = 0; i < stack_.size(); ++i) most = std::max({most, top(i), bottom(i)});
+    return most;
+  }
+
+ private:
+  const slice::LayerStack& stack_;
+  const SliceSettings& settings_;
+};
 
 /// Intersections of runs of consecutive layers. `level[k][i]` covers layers i … i + 2^k − 1; any longer run
 /// is the intersection of two that overlap.
@@ -75,8 +108,9 @@ Regions anchored(const Regions& surface, double by_mm, const Regions& within) {
 /// One layer's sorting.
 class Sorter {
  public:
-  Sorter(const slice::LayerStack& stack, const Runs& runs, const SliceSettings& settings)
-      : stack_(stack), runs_(runs), settings_(settings) {}
+  Sorter(const slice::LayerStack& stack, const Runs& runs, const ShellCounts& counts,
+         const SliceSettings& settings)
+      : stack_(stack), runs_(runs), counts_(counts), settings_(settings) {}
 
   Surfaces sort(std::size_t i, const Regions& inner) const {
     Surfaces out;
@@ -107,8 +141,8 @@ class Sorter {
  private:
   /// The part of `inner` that lacks one of the layers that would make it inside.
   Regions exposed(std::size_t i, const Regions& inner) const {
-    const auto top = static_cast<std::size_t>(std::max(settings_.top_layers, 0));
-    const auto bottom = static_cast<std::size_t>(std::max(settings_.bottom_layers, 0));
+    const std::size_t top = counts_.top(i);
+    const std::size_t bottom = counts_.bottom(i);
     const auto at = static_cast<std::ptrdiff_t>(i);
     const Shared own = runs_.common(at, 1);  // a neighbour like this layer covers all of it
     Regions out;
@@ -165,6 +199,7 @@ class Sorter {
 
   const slice::LayerStack& stack_;
   const Runs& runs_;
+  const ShellCounts& counts_;
   const SliceSettings& settings_;
 };
 
@@ -172,11 +207,12 @@ class Sorter {
 
 std::vector<Surfaces> find_surfaces(const slice::LayerStack& stack, const std::vector<Regions>& inner,
                                     const SliceSettings& settings, const run::Context& ctx) {
-  const Runs runs(stack, static_cast<std::size_t>(std::max({settings.top_layers, settings.bottom_layers, 1})),
-                  ctx);
-  const Sorter sorter(stack, runs, settings);
+  const ShellCounts counts(stack, settings);
+  const Runs runs(stack, counts.longest(), ctx);
+  const Sorter sorter(stack, runs, counts, settings);
   std::vector<Surfaces> out(stack.size());
   run::parallel_for(ctx, stack.size(), [&](std::size_t i) { out[i] = sorter.sort(i, inner[i]); });
+  find_internal_bridges(out, stack, settings, ctx);
   return out;
 }
 

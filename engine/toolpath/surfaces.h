@@ -22,13 +22,21 @@ struct BridgeArea {
 /// The inside of one layer's walls, by what fills it. Areas don't overlap.
 struct Surfaces {
   std::vector<BridgeArea> bridges;
+  std::vector<BridgeArea> internal_bridges;  ///< over sparse infill
   geom::Regions top;
   geom::Regions solid;
   geom::Regions sparse;
+  geom::Regions thick;    ///< sparse infill of several layers, printed in the last of them
+  double thick_mm = 0;    ///< their height
+  std::size_t group = 0;  ///< of layers whose infill is printed together
 };
 
+/// Solid areas reach this many line widths into the sparse area beside them, to hold on to.
+inline constexpr double kSkinAnchorWidths = 1.0;
+
 /// Sorts every layer's `inner` area: solid where any of the next top_layers layers above or bottom_layers
-/// below is missing, with an overlap into the sparse area to hold on to.
+/// below is missing, or of as many more as the least thicknesses ask for, with an overlap into the sparse
+/// area; then find_internal_bridges().
 std::vector<Surfaces> find_surfaces(const slice::LayerStack& stack, const std::vector<geom::Regions>& inner,
                                     const SliceSettings& settings, const run::Context& ctx);
 

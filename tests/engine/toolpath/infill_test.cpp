@@ -1,6 +1,7 @@
 #include "engine/toolpath/infill.h"
 
 #include "engine/toolpath/bead.h"
+#include "engine/toolpath/fill_directions.h"
 #include "engine/toolpath/hatch.h"
 #include "tests/engine/toolpath/shapes.h"
 
@@ -79,7 +80,8 @@ TEST_CASE("every pattern keeps inside and honours the density") {
       const int layers = 40;
       for (int i = 0; i < layers; ++i) {
         const slice::LayerSpan span{i * 0.2, (i + 1) * 0.2};
-        const auto fill = toolpath::sparse_fill(region, s, static_cast<std::size_t>(i), span, bead);
+        const auto fill =
+            toolpath::sparse_fill(region, s, (i % 2 == 0 ? 0.25 : 0.75) * std::numbers::pi, span, bead);
         CHECK(geom::clip_outside(fill.lines, geom::offset({region}, 3000)).empty());
         volume += total_mm(fill.lines) * fill.spacing_mm * 0.2;
         if (fill.closed)
@@ -116,4 +118,70 @@ TEST_CASE("beads: area, spacing and width belong together") {
   CHECK(bead_area_mm2(0.2, 0.2) == Approx(std::numbers::pi / 4 * 0.04));
   CHECK(width_of_spacing_mm(bead_spacing_mm(0.5, 0.25), 0.25) == Approx(0.5));
   CHECK(strand_area_mm2(0.4) == Approx(std::numbers::pi * 0.04));
+}
+
+TEST_CASE("infill of several layers is printed at once, as thick as the nozzle allows") {
+  auto s = bare_settings();
+  s.slice.infill_every_layers = 3;
+  for (const double layer : {0.1, 0.15, 0.2}) {
+    const auto stack = box_stack(40, 30, 8, layer);
+    const auto plan = toolpath::build(stack, s);
+    const int at_once = std::min(3, static_cast<int>(s.machine.nozzle_mm / layer + 1e-6));
+    auto plain = s;
+    plain.slice.infill_every_layers = 1;
+    const auto each = toolpath::build(stack, plain);
+    double volume = 0, volume_each = 0;
+    std::size_t with = 0, with_each = 0;
+    for (std::size_t i = 0; i < plan.layers.size(); ++i) {
+      with += count(plan.layers[i], toolpath::Role::infill) > 0 ? 1U : 0U;
+      with_each += count(each.layers[i], toolpath::Role::infill) > 0 ? 1U : 0U;
+      for (const auto& p : plan.layers[i].paths)
+        if (p.role == toolpath::Role::infill) {
+          volume += volume_mm3(p);
+          CHECK(p.height_mm <= s.machine.nozzle_mm + 1e-6);
+        }
+      for (const auto& p : each.layers[i].paths)
+        if (p.role == toolpath::Role::infill) volume_each += volume_mm3(p);
+    }
+    CAPTURE(layer, at_once, with, with_each);
+    CHECK(static_cast<double>(with) == Approx(static_cast<double>(with_each) / at_once).margin(2.1));
+    CHECK(volume == Approx(volume_each).epsilon(0.06));
+  }
+}
+
+TEST_CASE("the way lines run: as set, soonest for the part, soonest for each solid layer") {
+  using toolpath::InfillDirection;
+  // Longer lines are sooner printed: along a strip.
+  for (const double turn : {0.0, 0.5, 2.0}) {
+    geom::Ring strip;
+    for (const auto& [x, y] : {std::pair{0.0, 0.0}, {60.0, 0.0}, {60.0, 8.0}, {0.0, 8.0}})
+      strip.push_back({from_mm(80 + x * std::cos(turn) - y * std::sin(turn)),
+                       from_mm(80 + x * std::sin(turn) + y * std::cos(turn))});
+    const geom::Regions area{{strip, {}}};
+    CHECK(toolpath::seconds_of_lines(area, turn, 0.45, 80, 1000) <
+          0.65 * toolpath::seconds_of_lines(area, turn + std::numbers::pi / 2, 0.45, 80, 1000));
+  }
+  // 100 lines of 40 mm from rest to rest: 40 mm / 80 mm/s + 80 mm/s / 1000 mm/s² each.
+  CHECK(toolpath::seconds_of_lines({rectangle(0, 0, 40, 45)}, 0, 0.45, 80, 1000) ==
+        Approx(100 * (0.5 + 0.08)).epsilon(0.03));
+
+  auto s = bare_settings();
+  std::vector<toolpath::Surfaces> layers(10);
+  for (auto& layer : layers) layer.solid = {rectangle(0, 0, 60, 8)};
+  auto degrees = [&](std::size_t i) {
+    return toolpath::choose_directions(layers, s, {})[i].solid * 180 / std::numbers::pi;
+  };
+  CHECK(degrees(0) == Approx(45));
+  CHECK(degrees(1) == Approx(135));
+  s.slice.infill_direction = InfillDirection::layer;
+  const auto directions = toolpath::choose_directions(layers, s, {});
+  std::size_t along = 0;
+  for (std::size_t i = 0; i + 1 < directions.size(); ++i) {
+    CHECK(std::abs(std::sin(directions[i + 1].solid - directions[i].solid)) > 0.7);
+    along += std::abs(std::sin(directions[i].solid)) < 0.1 ? 1U : 0U;
+  }
+  CHECK(along >= 4);
+  s.slice.infill_direction = InfillDirection::part;
+  for (std::size_t i = 0; i + 1 < layers.size(); ++i)
+    CHECK(std::abs(std::cos((degrees(i + 1) - degrees(i)) * std::numbers::pi / 180)) < 1e-9);
 }

@@ -44,17 +44,33 @@ geom::Regions held_at(const toolpath::Plan& plan, std::size_t i, const toolpath:
   return held;
 }
 
+/// What layer i prints of the part without lifting: a wall may be cut into stretches of different speed.
+geom::Polylines strands(const toolpath::LayerPlan& layer) {
+  geom::Polylines out;
+  const toolpath::Path* before = nullptr;
+  for (const auto& path : layer.paths) {
+    if (!is_part(path)) continue;
+    const bool goes_on =
+        before != nullptr && !before->closed && !path.closed && before->points.back() == path.points.front();
+    if (goes_on)
+      out.back().insert(out.back().end(), path.points.begin() + 1, path.points.end());
+    else
+      out.push_back(line_of(path));
+    before = &path;
+  }
+  return out;
+}
+
 /// Length of what layer i prints on nothing, mm.
 double loose_mm(const toolpath::Plan& plan, std::size_t i, const toolpath::SliceSettings& s) {
   const geom::Regions held = held_at(plan, i, s);
   double loose = 0;
-  for (const auto& path : plan.layers[i].paths) {
-    if (!is_part(path)) continue;
-    const geom::Polyline line = line_of(path);
+  for (const geom::Polyline& line : strands(plan.layers[i])) {
+    const bool closed = line.front() == line.back();
     for (const auto& piece : geom::clip_outside({line}, held)) {
       const double length = geom::length(piece) / geom::kNmPerMm;
-      const bool starts = !path.closed && piece.front() == line.front();
-      const bool ends = !path.closed && piece.back() == line.back();
+      const bool starts = !closed && piece.front() == line.front();
+      const bool ends = !closed && piece.back() == line.back();
       if (length <= (starts || ends ? kMaxTipMm : kMaxStrandMm) && !(starts && ends)) continue;
       loose += length;
     }

@@ -1,5 +1,8 @@
 #include "engine/toolpath/surfaces.h"
 
+#include "engine/toolpath/bead.h"
+#include "engine/toolpath/draft.h"
+#include "engine/toolpath/pace.h"
 #include "engine/toolpath/supports.h"
 #include "tests/engine/toolpath/shapes.h"
 
@@ -39,6 +42,7 @@ double open_skin_mm2(const slice::LayerStack& stack, const toolpath::Plan& plan,
     }
     const geom::Regions skin = geom::subtract(own, inside);
     const geom::Regions solid = covered(plan.layers[static_cast<std::size_t>(i)], is_solid, 0.04);
+    CAPTURE(i);
     // Corners that a round bead cannot reach, and steps below the printable, stay open.
     worst = std::max(worst, mm2(geom::open(geom::subtract(skin, solid), from_mm(0.12))));
   }
@@ -65,9 +69,107 @@ TEST_CASE("a box has exactly its shells solid and sparse infill between them") {
   for (std::size_t i = 0; i < n; ++i) {
     const bool shell = i < 4 || i >= n - 5;
     CHECK((count(plan.layers[i], Role::infill) == 0) == shell);
-    CHECK((count(plan.layers[i], Role::solid_infill) > 0) == (shell && i + 1 < n));
+    CHECK((count(plan.layers[i], Role::solid_infill) + count(plan.layers[i], Role::internal_bridge) > 0) ==
+          (shell && i + 1 < n));
     CHECK((count(plan.layers[i], Role::top_solid_infill) > 0) == (i + 1 == n));
   }
+}
+
+TEST_CASE("shells are as thick as asked where the count of layers makes less") {
+  auto s = bare_settings();
+  s.slice.top_layers = 2;
+  s.slice.bottom_layers = 1;
+  for (const double layer : {0.1, 0.2, 0.3})
+    for (const double thickness : {0.0, 0.35, 0.8, 1.2}) {
+      s.slice.top_thickness_mm = thickness;
+      s.slice.bottom_thickness_mm = thickness / 2;
+      CAPTURE(layer, thickness);
+      const auto plan = toolpath::build(box_stack(30, 30, 6, layer), s);
+      const auto at_least = [&](double mm, int layers) {
+        return std::max(layers, static_cast<int>(std::ceil(mm / layer - 1e-6)));
+      };
+      const auto n = static_cast<int>(plan.layers.size());
+      const int top = at_least(thickness, 2), bottom = at_least(thickness / 2, 1);
+      for (int i = 0; i < n; ++i)
+        CHECK((count(plan.layers[static_cast<std::size_t>(i)], Role::infill) == 0) ==
+              (i < bottom || i >= n - top));
+    }
+  s.slice.top_layers = 0;
+  CHECK(count(toolpath::build(box_stack(30, 30, 6), s).layers.back(), Role::infill) > 0);
+}
+
+TEST_CASE("a skin reaches a line's width under the solid beside it") {
+  auto s = bare_settings();
+  s.slice.top_layers = 3;
+  // A step: the lower half's top ends where the upper half's wall stands.
+  const auto stack = stack_of(12, 0.2, [](double z) {
+    return geom::Regions{z < 6 ? rectangle(50, 50, 90, 70) : rectangle(50, 50, 70, 70)};
+  });
+  std::vector<geom::Regions> inner;
+  for (std::size_t i = 0; i < stack.size(); ++i)
+    inner.push_back(toolpath::inner_of(toolpath::draft_walls(stack[i], i, s.slice)));
+  const auto surfaces = toolpath::find_surfaces(stack, inner, s.slice, {});
+  const auto& last = surfaces[29];  // the step's top layer
+  const auto box = *geom::bounds(last.top);
+  CHECK(geom::to_mm(box.min.x) ==
+        Approx(70 - toolpath::kSkinAnchorWidths * s.slice.line_width_mm).margin(0.01));
+  CHECK(geom::to_mm(geom::bounds(last.sparse)->max.x) == Approx(geom::to_mm(box.min.x)).margin(0.01));
+}
+
+TEST_CASE("solid over sparse infill is bridged across its lines, slower and with the bridge's flow") {
+  auto s = bare_settings();
+  s.slice.bridge_flow = 0.9;
+  s.cooling.slow_below_s = 0;
+  const auto plan = toolpath::build(box_stack(40, 30, 6), s);
+  const std::size_t first = plan.layers.size() - 5;  // five top layers
+  double hanging = 0;
+  for (std::size_t i = 0; i < plan.layers.size(); ++i) {
+    CHECK((count(plan.layers[i], Role::internal_bridge) > 0) == (i == first));
+    for (const auto& p : plan.layers[i].paths)
+      if (p.role == Role::internal_bridge) hanging += length_mm(p) * s.slice.line_width_mm;
+  }
+  CHECK(hanging > 0.85 * 38 * 28);
+  auto direction = [](const toolpath::LayerPlan& layer, Role role) {
+    for (const auto& p : layer.paths)
+      if (p.role == role) {
+        std::size_t longest = 0;
+        for (std::size_t k = 0; k + 1 < p.points.size(); ++k)
+          if (geom::distance(p.points[k], p.points[k + 1]) >
+              geom::distance(p.points[longest], p.points[longest + 1]))
+            longest = k;
+        const auto &a = p.points[longest], &b = p.points[longest + 1];
+        return std::atan2(static_cast<double>(b.y - a.y), static_cast<double>(b.x - a.x));
+      }
+    return 0.0;
+  };
+  const double between =
+      direction(plan.layers[first], Role::internal_bridge) - direction(plan.layers[first - 1], Role::infill);
+  CHECK(std::abs(std::cos(between)) < 0.02);
+  for (const auto& p : plan.layers[first].paths)
+    if (p.role == Role::internal_bridge) {
+      CHECK(toolpath::path_speed_mm_s(p, first, s) == s.speed.internal_bridge);
+      CHECK(p.area_mm2 == Approx(0.9 * toolpath::bead_spacing_mm(0.45, 0.2) * 0.2).epsilon(0.16));
+    }
+  CHECK(toolpath::keeps_speed(Role::internal_bridge));
+  s.slice.infill_density = 0.6;  // its gaps are narrower than a bead
+  for (const auto& layer : toolpath::build(box_stack(40, 30, 6), s).layers)
+    CHECK(count(layer, Role::internal_bridge) == 0);
+}
+
+TEST_CASE("over a hollow, the roof inside runs the shorter way") {
+  auto s = bare_settings();
+  s.slice.infill_density = 0;
+  const auto plan = toolpath::build(box_stack(40, 12, 6), s);
+  const auto& layer = plan.layers[plan.layers.size() - 5];
+  REQUIRE(count(layer, Role::internal_bridge) > 0);
+  double x = 0, y = 0;
+  for (const auto& p : layer.paths)
+    if (p.role == Role::internal_bridge)
+      for (std::size_t k = 0; k + 1 < p.points.size(); ++k) {
+        x += std::abs(geom::to_mm(p.points[k + 1].x - p.points[k].x));
+        y += std::abs(geom::to_mm(p.points[k + 1].y - p.points[k].y));
+      }
+  CHECK(y > 10 * x);
 }
 
 TEST_CASE("sparse areas below the limit are solid") {

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "engine/geom/polygon.h"
+#include "engine/toolpath/perimeters.h"
+#include "engine/toolpath/plan.h"
+
+#include <vector>
+
+namespace voidpath::toolpath {
+
+/// Lines down the middle of slivers between beads, as wide as the sliver is there: a line is cut where its
+/// width changes, each piece with the mean width of its stretch.
+void add_gap_lines(std::vector<Path>& out, const geom::Regions& gaps, const BeadSize& bead,
+                   double tolerance_mm);
+
+}  // namespace voidpath::toolpath

@@ -1,0 +1,150 @@
+#include "engine/toolpath/overhangs.h"
+
+#include "engine/geom/area_grid.h"
+#include "engine/geom/polygon_ops.h"
+#include "engine/toolpath/region_ops.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+namespace voidpath::toolpath {
+
+namespace {
+
+using geom::from_mm;
+
+/// Stretches shorter than this stay part of their wall, mm: slowing takes a way of its own.
+constexpr double kMinStretchMm = 0.5;
+/// A bead this much of which hangs is no longer carried, but hangs between its ends.
+constexpr double kHanging = 0.75;
+/// The outline steps out by at least this share of what its outer bead's middle does; less is not looked at.
+constexpr double kRoundingShare = 0.9;
+
+/// What hangs by `share` of its bead or more.
+struct Band {
+  double share;
+  double max_speed_mm_s;  ///< 0: not slowed
+  bool overhang;          ///< printed as overhang_perimeter
+};
+
+std::vector<Band> bands_of(const SpeedSettings& speed) {
+  std::vector<Band> out;
+  if (speed.overhang_25 > 0) out.push_back({0.25, speed.overhang_25, false});
+  if (speed.overhang_50 > 0) out.push_back({0.5, speed.overhang_50, false});
+  out.push_back({kHanging, speed.overhang_75, true});
+  out.push_back({1.0, 0, true});
+  return out;
+}
+
+/// A stretch of a wall, and the last band it reaches: 0 none, k the k-th.
+struct Stretch {
+  geom::Polyline points;
+  std::size_t band = 0;
+};
+
+/// The layer below, grown so that a bead whose middle leaves it hangs by the band's share. Each band's
+/// boundary is made when a wall first gets that far.
+class Carrier {
+ public:
+  Carrier(const geom::Regions& below, double width_mm, const std::vector<Band>& bands)
+      : below_(below), width_mm_(width_mm), bands_(bands), grids_(bands.size()) {}
+
+  std::vector<Stretch> split(const geom::Polyline& line) {
+    std::vector<Stretch> out;
+    split(line, 0, out);
+    return out;
+  }
+
+ private:
+  void split(const geom::Polyline& line, std::size_t band, std::vector<Stretch>& out) {
+    if (band == bands_.size()) {
+      out.push_back({line, band});
+      return;
+    }
+    for (geom::Piece& piece : grid(band).split(line)) {
+      if (piece.inside)
+        out.push_back({std::move(piece.points), band});
+      else
+        split(piece.points, band + 1, out);
+    }
+  }
+
+  const geom::AreaGrid& grid(std::size_t band) {
+    auto& g = grids_[band];
+    if (!g) {
+      const geom::Coord by = from_mm((bands_[band].share - 0.5) * width_mm_);
+      g.emplace(by == 0 ? below_ : geom::offset(below_, by));
+    }
+    return *g;
+  }
+
+  const geom::Regions& below_;
+  double width_mm_;
+  const std::vector<Band>& bands_;
+  std::vector<std::optional<geom::AreaGrid>> grids_;
+};
+
+/// Stretches that are too short join the one before them, and equal ones each other.
+std::vector<Stretch> merged(std::vector<Stretch>&& stretches) {
+  std::vector<Stretch> out;
+  for (auto& s : stretches) {
+    const bool is_short = geom::length(s.points) < kMinStretchMm * geom::kNmPerMm;
+    if (!out.empty() && (is_short || out.back().band == s.band))
+      out.back().points.insert(out.back().points.end(), s.points.begin() + 1, s.points.end());
+    else
+      out.push_back(std::move(s));
+  }
+  return out;
+}
+
+void put_in_band(Path& path, std::size_t band, const std::vector<Band>& bands) {
+  if (band == 0) return;
+  const Band& b = bands[band - 1];
+  if (b.overhang) path.role = Role::overhang_perimeter;
+  if (b.max_speed_mm_s <= 0) return;
+  path.max_speed_mm_s =
+      path.max_speed_mm_s > 0 ? std::min(path.max_speed_mm_s, b.max_speed_mm_s) : b.max_speed_mm_s;
+}
+
+}  // namespace
+
+void mark_overhangs(std::vector<Path>& paths, const geom::Regions& own, const geom::Regions& below,
+                    double width_mm, const SpeedSettings& speed) {
+  if (own == below) return;
+  const std::vector<Band> bands = bands_of(speed);
+  // An outer bead's middle lies half a bead inside the outline.
+  const double step = bands.front().share * kRoundingShare * width_mm;
+  const geom::Regions stepping = quick_subtract(own, geom::offset(below, from_mm(step)));
+  if (stepping.empty()) return;
+  const geom::Box box = grown(*geom::bounds(stepping), from_mm(width_mm));
+  Carrier carrier(below, width_mm, bands);
+  std::vector<Path> out;
+  out.reserve(paths.size());
+  for (Path& path : paths) {
+    const auto own_box = geom::bounds(path.points);
+    const bool wall = path.role == Role::external_perimeter || path.role == Role::perimeter;
+    if (!wall || !own_box || !overlap(*own_box, box)) {
+      out.push_back(std::move(path));
+      continue;
+    }
+    geom::Polyline line = path.points;
+    if (path.closed) line.push_back(line.front());
+    std::vector<Stretch> stretches = merged(carrier.split(line));
+    if (stretches.size() <= 1) {
+      if (!stretches.empty()) put_in_band(path, stretches.front().band, bands);
+      out.push_back(std::move(path));
+      continue;
+    }
+    for (Stretch& s : stretches) {
+      Path part = path;
+      part.closed = false;
+      part.points = std::move(s.points);
+      put_in_band(part, s.band, bands);
+      out.push_back(std::move(part));
+    }
+  }
+  paths = std::move(out);
+}
+
+}  // namespace voidpath::toolpath

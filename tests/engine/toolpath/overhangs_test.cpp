@@ -1,0 +1,95 @@
+#include "engine/toolpath/overhangs.h"
+
+#include "engine/toolpath/pace.h"
+#include "tests/engine/toolpath/shapes.h"
+
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+using namespace voidpath;
+using namespace voidpath::test;
+using geom::from_mm;
+using toolpath::Role;
+
+namespace {
+
+/// A wall along y whose bead's middle lies `beyond` mm outside the layer below.
+toolpath::Path wall_beyond(double beyond) {
+  toolpath::Path path;
+  path.role = Role::external_perimeter;
+  path.points = {{from_mm(70 + beyond), from_mm(55)}, {from_mm(70 + beyond), from_mm(65)}};
+  path.width_mm = 0.45;
+  path.area_mm2 = 0.08;
+  return path;
+}
+
+}  // namespace
+
+TEST_CASE("a wall is slowed by how much of its bead hangs over air") {
+  toolpath::PrintSettings s = bare_settings();
+  s.speed.external_perimeter = 40;
+  s.speed.overhang_25 = 30;
+  s.speed.overhang_50 = 20;
+  s.speed.overhang_75 = 10;
+  s.speed.bridge = 35;
+  const geom::Regions below{rectangle(50, 50, 70, 70)};
+  const geom::Regions own{rectangle(50, 50, 71, 70)};
+  // A bead 0.45 mm wide whose middle is d beyond the edge hangs by 0.5 + d / 0.45 of its width.
+  struct Case {
+    double hanging, speed;
+    Role role;
+  };
+  for (const auto& c : {Case{0.05, 40, Role::external_perimeter}, Case{0.24, 40, Role::external_perimeter},
+                        Case{0.26, 30, Role::external_perimeter}, Case{0.49, 30, Role::external_perimeter},
+                        Case{0.51, 20, Role::external_perimeter}, Case{0.74, 20, Role::external_perimeter},
+                        Case{0.76, 10, Role::overhang_perimeter}, Case{0.99, 10, Role::overhang_perimeter},
+                        Case{1.01, 35, Role::overhang_perimeter}}) {
+    CAPTURE(c.hanging);
+    std::vector<toolpath::Path> paths{wall_beyond((c.hanging - 0.5) * 0.45)};
+    toolpath::mark_overhangs(paths, own, below, 0.45, s.speed);
+    REQUIRE(paths.size() == 1);
+    CHECK(paths[0].role == c.role);
+    CHECK(toolpath::path_speed_mm_s(paths[0], 3, s) == c.speed);
+  }
+  s.speed.overhang_25 = s.speed.overhang_50 = 0;  // not slowed
+  std::vector<toolpath::Path> paths{wall_beyond(0.2 * 0.45)};
+  toolpath::mark_overhangs(paths, own, below, 0.45, s.speed);
+  CHECK(toolpath::path_speed_mm_s(paths[0], 3, s) == 40);
+}
+
+TEST_CASE("a wall that leaves the layer below is cut where its bead hangs more, and stays in one piece") {
+  toolpath::PrintSettings s = bare_settings();
+  s.speed.overhang_25 = 22;
+  const geom::Regions below{rectangle(50, 50, 70, 70)};
+  const geom::Regions own{rectangle(50, 50, 80, 70)};
+  toolpath::Path path = wall_beyond(0);
+  path.points = {{from_mm(60), from_mm(60)}, {from_mm(69), from_mm(60)}, {from_mm(79), from_mm(61)}};
+  const double before = length_mm(path);
+  std::vector<toolpath::Path> paths{path};
+  // Bands are crossed within a fraction of a millimetre here: too short to be stretches of their own.
+  toolpath::mark_overhangs(paths, own, below, 0.45, s.speed);
+  REQUIRE(paths.size() == 2);
+  CHECK(paths[0].role == Role::external_perimeter);
+  CHECK(paths[1].role == Role::overhang_perimeter);
+  CHECK(paths[0].points.back() == paths[1].points.front());
+  CHECK(length_mm(paths[0]) + length_mm(paths[1]) == Approx(before));
+  CHECK(geom::to_mm(paths[1].points.front().x) == Approx(70).margin(0.6));
+}
+
+TEST_CASE("small loops keep to their speed, large ones to the wall's") {
+  auto s = bare_settings();
+  s.speed.perimeter = 60;
+  s.speed.external_perimeter = 50;
+  s.speed.small_perimeter = 12;
+  s.slice.small_perimeter_length_mm = 40;
+  for (const double size : {6.0, 9.0, 14.0, 30.0}) {
+    const auto plan = toolpath::build(box_stack(size, size, 2), s);
+    for (const auto& p : plan.layers[4].paths) {
+      if (p.role != Role::perimeter && p.role != Role::external_perimeter) continue;
+      const bool is_small = length_mm(p) <= 40;
+      const double own = p.role == Role::perimeter ? 60 : 50;
+      CHECK(toolpath::path_speed_mm_s(p, 4, s) == (is_small ? 12 : own));
+    }
+  }
+}
