@@ -122,17 +122,25 @@ TEST_CASE("an upload becomes a job in the printer's folder, with its options") {
   CHECK(std::filesystem::exists(web.rig.dir / "inbox/b c-2.stl"));
   CHECK(web.ask([&] { return http_upload(web.address, "/api/v1/files?name=x.exe", file.string()); }).status ==
         415);
-  for (const std::string wrong : {"method=bogus", "copies=0", "copies=1001", "copies=x", "scale=0", "scale=2x"}) {
+  for (const std::string wrong :
+       {"method=bogus", "copies=0", "copies=1001", "copies=x", "scale=0", "scale=2x"}) {
     INFO(wrong);
-    CHECK(web.ask([&] {
-                return http_upload(web.address, "/api/v1/files?name=b.stl&" + wrong, file.string());
-              }).status == 400);
+    CHECK(
+        web.ask([&] { return http_upload(web.address, "/api/v1/files?name=b.stl&" + wrong, file.string()); })
+            .status == 400);
   }
   CHECK(web.rig.runner->queue().size() == 2);
   std::size_t files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(web.rig.dir / "inbox"))
     files += entry.is_regular_file() ? 1u : 0u;
   CHECK(files == 2);
+}
+
+TEST_CASE("power and light are switched on or off, where there are any") {
+  WebRig web;
+  CHECK(web.post("power", R"({"switch":"maybe"})").body.find("say on or off") != std::string::npos);
+  CHECK(web.post("power", R"({"switch":"on"})").body.find("has no relay") != std::string::npos);
+  CHECK(web.post("light", R"({"switch":"off"})").status == 409);
 }
 
 TEST_CASE("a port in use is an error that names it") {
