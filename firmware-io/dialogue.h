@@ -38,6 +38,8 @@ class Dialogue {
   /// True once after halt(): what was written before and is still on its way should be thrown away.
   virtual bool take_urgent() noexcept = 0;
   virtual bool closing() const noexcept = 0;
+  /// Until then bytes that come may be left lying: there is enough on its way, and fewer awakenings cost less.
+  virtual double unhurried_until() const noexcept { return 0; }
 };
 
 }  // namespace voidpath::fw

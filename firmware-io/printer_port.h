@@ -1,21 +1,22 @@
 #pragma once
 
-#include <functional>
-#include <memory>
-#include <string>
-#include <vector>
-
 #include "firmware-io/clock.h"
 #include "firmware-io/event.h"
 #include "firmware-io/line_source.h"
 #include "firmware-io/s3g/machine.h"
 
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
 namespace voidpath::fw {
 
 struct PortOptions {
-  std::string port;        ///< tty path, a pty or a by-id link included
+  std::string port;  ///< tty path, a pty or a by-id link included
   int baud = 115200;
   int rx_bytes = 128;      ///< the firmware's receive buffer: rx_bytes - 1 unacknowledged bytes may be out
+  bool meatpack = true;    ///< lines go packed when the firmware offers it
   double boot_wait_s = 3;  ///< how long to wait for "start" after opening
   double reconnect_s = 2;  ///< how often a missing port is tried again
   std::vector<std::string> cancel_gcode;  ///< sent after a cancel, before heaters off (lift, park)

@@ -22,6 +22,8 @@ namespace {
 
 // The longest poll(); deadlines come back into view at least so often.
 constexpr double kLongestPoll_s = 3600;
+// The longest rest beside a readable port.
+constexpr double kLongestRest_s = 0.02;
 
 class Session final : public PrinterPort {
  public:
@@ -145,11 +147,20 @@ class Session final : public PrinterPort {
       until = dialogue_->deadline();
     }
     if (stop_at > 0) until = std::min(until, stop_at);
-    const double seconds = std::clamp(until - now(), 0.0, kLongestPoll_s);
-    ::poll(fds.data(), fds.size(), static_cast<int>(std::ceil(seconds * 1000)));
+    if (transport_ && dialogue_->output().empty() && fds[1].events == POLLIN) {
+      // With the port left out of it: only another thread's word ends this rest early.
+      const double rest = std::min(dialogue_->unhurried_until(), until) - now();
+      if (rest > 0 && wait(fds[0], 1, std::min(rest, kLongestRest_s)) == 0) return;
+    }
+    wait(fds[0], fds.size(), std::clamp(until - now(), 0.0, kLongestPoll_s));
     std::uint64_t count = 0;
     if (fds[0].revents != 0) [[maybe_unused]]
       const auto n = ::read(wake_fd_, &count, sizeof count);
+  }
+
+  static int wait(pollfd& first, std::size_t count, double seconds) noexcept {
+    const timespec time{static_cast<std::time_t>(seconds), static_cast<long>(std::fmod(seconds, 1.0) * 1e9)};
+    return ::ppoll(&first, count, &time, nullptr);
   }
 
   void carry_out_posted() {

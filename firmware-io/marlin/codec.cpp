@@ -53,13 +53,13 @@ std::uint8_t checksum(std::string_view bytes) noexcept {
   return sum;
 }
 
-std::string frame(std::uint32_t number, std::string_view payload) {
+std::string frame(std::uint32_t number, std::string_view payload, std::string_view gap) {
   assert(is_clean(payload));
   std::string out;
   out.reserve(payload.size() + 16);
   out += 'N';
   append_number(out, number);
-  out += ' ';
+  out += gap;
   out += payload;
   const std::uint8_t sum = checksum(out);
   out += '*';

@@ -20,7 +20,7 @@ inline constexpr std::size_t kMaxPayload = kMaxFramed - 13;
 std::uint8_t checksum(std::string_view bytes) noexcept;
 
 /// `N<number> <payload>*<checksum>` and a newline. The payload must be sanitised.
-std::string frame(std::uint32_t number, std::string_view payload);
+std::string frame(std::uint32_t number, std::string_view payload, std::string_view gap = " ");
 
 /// The command as a firmware would read it: without its comment and the blanks around it, and without
 /// every character that a firmware drops or alters before it sums the line (anything beyond printable

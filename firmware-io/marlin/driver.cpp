@@ -50,6 +50,7 @@ void Driver::settle(double t) {
     collect(t);
     pump(t);
     check_health();
+    rest_until_ = job_ && phase_ == Phase::ready ? t + link_.rest_s() : 0;
   }
 }
 
@@ -94,6 +95,10 @@ void Driver::dispatch_ready(const Reply& reply, double t) {
     if (queries_unanswered_ == 0) emit(Message{echo->text});
   } else if (const auto* other = std::get_if<Other>(&reply)) {
     if (queries_unanswered_ == 0) emit(Message{other->text});
+  } else if (const auto* state = std::get_if<PackState>(&reply)) {
+    packing_answered(*state);
+  } else if (const auto* overrun = std::get_if<Overrun>(&reply)) {
+    emit(Message{overrun->text});
   } else if (const auto* firmware = std::get_if<Firmware>(&reply)) {
     emit(Message{firmware->info.name});
   }
@@ -153,7 +158,7 @@ void Driver::collect(double t) {
   }
   if (phase_ == Phase::identifying && link_.all_acknowledged()) {
     if (!firmware_.name.empty()) {
-      become_ready(t);
+      ask_packing(t);
     } else {
       phase_deadline_ = std::min(phase_deadline_, t + options_.handshake.nameless_s);
     }
@@ -166,6 +171,7 @@ void Driver::drop_finished_job() {
 
 void Driver::pump(double t) {
   link_.pump(t);
+  if (packing_again(t)) return;
   while (!queries_.empty() && link_.may_send(queries_.front())) {
     link_.send(queries_.front(), {.kind = Tag::Kind::query}, t);
     queries_.pop_front();
@@ -202,7 +208,7 @@ void Driver::check_health() {
 // The dialogue cannot go on: what may still be heard is M112.
 void Driver::fail(const std::string& reason) {
   if (job_) {
-    link_.output() += "\nM112\n";
+    link_.send_raw("\nM112", false, received_t_);
     report_stats();
     job_.reset();
     emit(PrintFailed{reason});
@@ -233,6 +239,7 @@ void Driver::elapsed(double t) {
   if (phase_ == Phase::identifying || phase_ == Phase::ready) {
     link_.elapsed(t);
     if (phase_ == Phase::ready && t >= poll_at()) poll_temperature(t);
+    if (repacking_until_ > 0 && t >= repacking_until_) packing_unanswered();
     if (job_ && t >= stats_t_ + kStatsPeriod_s) stats_t_ = t, report_stats();
   }
   settle(t);
@@ -243,11 +250,14 @@ double Driver::deadline() const noexcept {
   double next = phase_ == Phase::ready ? poll_at() : phase_deadline_;
   if (phase_ == Phase::identifying || phase_ == Phase::ready) next = std::min(next, link_.deadline());
   if (job_) next = std::min(next, stats_t_ + kStatsPeriod_s);
+  if (repacking_until_ > 0) next = std::min(next, repacking_until_);
   return next;
 }
 
-bool Driver::reports_by_itself() const noexcept {
-  const auto found = firmware_.capabilities.find("AUTOREPORT_TEMP");
+bool Driver::reports_by_itself() const noexcept { return offers("AUTOREPORT_TEMP"); }
+
+bool Driver::offers(const std::string& capability) const {
+  const auto found = firmware_.capabilities.find(capability);
   return found != firmware_.capabilities.end() && found->second;
 }
 

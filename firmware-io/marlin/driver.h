@@ -25,6 +25,7 @@ struct HandshakeTiming {
   double answer_s = 2;          ///< for an ok to M110
   double settle_s = 0.1;        ///< for stray answers behind it
   double identify_s = 10;       ///< for M115
+  double packing_s = 0.5;       ///< for MeatPack's answer
   double nameless_s = 1;        ///< M115 gave an ok and no name: some firmware says the name late, or never
 };
 
@@ -34,6 +35,7 @@ struct DriverOptions {
   HandshakeTiming handshake;
   double byte_s = 10.0 / 115200;  ///< wire time of one byte
   std::vector<std::string> cancel_gcode;
+  bool meatpack = true;  ///< used when the firmware offers it
 };
 
 /// The Marlin side of a session: handshake, dialogue, print. See Dialogue.
@@ -59,15 +61,21 @@ class Driver final : public Dialogue {
 
   std::string& output() noexcept override { return link_.output(); }
   bool take_urgent() noexcept override { return std::exchange(urgent_, false); }
+  double unhurried_until() const noexcept override { return rest_until_; }
   bool closing() const noexcept override { return phase_ == Phase::closed; }
 
  private:
-  enum class Phase { closed, booting, greeting, settling, identifying, ready, halted };
+  enum class Phase { closed, booting, greeting, settling, identifying, packing, ready, halted };
 
   void emit(decltype(Event::what) what);
   void enter(Phase phase, double deadline) { phase_ = phase, phase_deadline_ = deadline; }
   void greet(double t);
   void become_ready(double t);
+  bool offers(const std::string& capability) const;
+  void ask_packing(double t);
+  bool packing_again(double t);
+  void packing_answered(const PackState& state);
+  void packing_unanswered();
   void dispatch(const std::string& line, double t);
   void dispatch_handshake(const Reply& reply, double t);
   void dispatch_ready(const Reply& reply, double t);
@@ -108,6 +116,10 @@ class Driver final : public Dialogue {
   double phase_deadline_ = 0;
   bool start_seen_ = false;
   int greetings_ = 0;
+  int packing_asked_ = 0;
+  double repacking_until_ = 0;  ///< 0: not asked
+  double rest_until_ = 0;
+  bool packed_once_ = false;  ///< the firmware may still unpack
   double greeted_t_ = 0;
   bool connected_ = false;
   std::string last_loss_;

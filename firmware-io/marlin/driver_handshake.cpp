@@ -1,4 +1,5 @@
 #include "firmware-io/marlin/driver.h"
+#include "firmware-io/marlin/meatpack.h"
 
 #include <utility>
 
@@ -7,6 +8,7 @@ namespace voidpath::fw::marlin {
 namespace {
 
 constexpr int kGreetings = 3;
+constexpr int kPackingQuestions = 3;
 
 // A firmware busy with a long command says so and gets more time.
 constexpr double kBusyGrace_s = 5;
@@ -18,6 +20,7 @@ void Driver::opened(double t) {
   link_.output().clear();
   link_.restart(0);
   forget_dialogue();
+  link_.forget_packing();
   start_seen_ = false;
   greetings_ = 0;
   received_t_ = t;
@@ -28,6 +31,7 @@ void Driver::forget_dialogue() {
   controls_.clear();
   queries_.clear();
   queries_unanswered_ = 0;
+  repacking_until_ = rest_until_ = 0;
   settings_ = {};
   firmware_ = {};
 }
@@ -36,6 +40,10 @@ void Driver::greet(double t) {
   if (++greetings_ > kGreetings) return disconnect("the printer does not answer");
   // The empty line ends whatever garbage stands in the printer's line buffer.
   link_.restart(0);
+  link_.forget_packing();
+  // A firmware that was not reset may still unpack; one that knows nothing of it is spared the bytes at
+  // first.
+  if (packed_once_ || greetings_ > 1) link_.output() += kPackingOff;
   link_.output() += "\n";
   link_.send_raw("N0 M110 N0*125", false, t);
   greeted_t_ = t;
@@ -69,6 +77,11 @@ void Driver::dispatch_handshake(const Reply& reply, double t) {
     } else if (const auto* capability = std::get_if<Capability>(&reply)) {
       firmware_.capabilities[capability->name] = capability->on;
     }
+  } else if (phase_ == Phase::packing) {
+    if (const auto* state = std::get_if<PackState>(&reply); state && state->on && state->no_spaces) {
+      link_.start_packing();
+      become_ready(t);
+    }
   }
 }
 
@@ -85,10 +98,13 @@ void Driver::handshake_elapsed(double t) {
       break;
     case Phase::identifying:
       if (link_.all_acknowledged()) {
-        become_ready(t);
+        ask_packing(t);
       } else {
         disconnect("the printer does not say who it is");
       }
+      break;
+    case Phase::packing:
+      ask_packing(t);
       break;
     case Phase::halted:
       phase_ = Phase::closed;
@@ -97,6 +113,40 @@ void Driver::handshake_elapsed(double t) {
     case Phase::closed:
       break;
   }
+}
+
+// On without blanks, or not at all.
+void Driver::ask_packing(double t) {
+  if (phase_ != Phase::packing) packing_asked_ = 0;
+  if (!options_.meatpack || !offers("MEATPACK")) return become_ready(t);
+  packed_once_ = true;
+  link_.output() += kPackingOff;
+  if (packing_asked_++ == kPackingQuestions) return become_ready(t);
+  link_.output() += kPackingOn;
+  enter(Phase::packing, t + options_.handshake.packing_s);
+}
+
+// In mid-print: everything sent must have been taken before, for the firmware unpacks whatever comes behind.
+bool Driver::packing_again(double t) {
+  if (repacking_until_ > 0) return true;
+  if (!link_.packing_due()) return false;
+  if (!link_.all_acknowledged()) return true;
+  link_.output() += kPackingOff;
+  link_.output() += kPackingOn;
+  repacking_until_ = t + options_.handshake.packing_s;
+  return true;
+}
+
+void Driver::packing_answered(const PackState& state) {
+  if (repacking_until_ == 0 || !state.on || !state.no_spaces) return;
+  repacking_until_ = 0;
+  link_.start_packing();
+}
+
+void Driver::packing_unanswered() {
+  repacking_until_ = 0;
+  link_.output() += kPackingOff;
+  link_.packing_failed();
 }
 
 void Driver::become_ready(double t) {

@@ -1,5 +1,8 @@
 #include "firmware-io/marlin/link.h"
 
+#include "firmware-io/marlin/codec.h"
+#include "firmware-io/marlin/meatpack.h"
+
 #include <algorithm>
 #include <limits>
 
@@ -10,6 +13,14 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 
 // One `wait` may have crossed a line on its way; the second, a second later, cannot have.
 constexpr int kWaitsThatMeanLoss = 2;
+
+// Packing begins again after so many lines without a request.
+constexpr std::uint64_t kQuietLines = 2000;
+
+// A line of which the wire has carried only a part has no ok yet.
+constexpr int kLineBytes = 45;
+// Of the time there is; the rest is for a late awakening.
+constexpr double kCaution = 0.8;
 
 // A longer answer to the greeting tells of a busy printer, not of the wire.
 constexpr double kLongestRoundTrip_s = 0.2;
@@ -30,34 +41,63 @@ void Link::learn_round_trip(double seconds) noexcept {
   round_trip_s_ = std::min(seconds, kLongestRoundTrip_s);
 }
 
-void Link::write(std::string_view framed, double t) {
-  if (window_.bytes_in_flight() <= static_cast<int>(framed.size())) progress_t_ = t;  // nothing else was out
+// Plain lines again, whatever state lost or flushed bytes have left the firmware's unpacker in.
+void Link::stop_packing() {
+  if (!packed_once_) return;
+  output_ += kPackingOff;
+  window_.set_packing(false);
+  quiet_lines_ = 0;
+}
+
+bool Link::packing_due() const noexcept {
+  return packed_once_ && !window_.packing() && quiet_lines_ >= kQuietLines && !window_.draining() &&
+         !window_.resending();
+}
+
+double Link::rest_s() const noexcept {
+  if (!window_.waiting() || window_.draining() || window_.throttled()) return 0;
+  const double ahead = (window_.bytes_in_flight() - kLineBytes) * byte_s_ - round_trip_s_;
+  return std::max(0.0, kCaution * ahead);
+}
+
+void Link::write(std::string_view bytes, std::string_view shown, double t) {
+  if (window_.bytes_in_flight() <= static_cast<int>(bytes.size())) progress_t_ = t;  // nothing else was out
   patience_t_ = t;
-  recorder_.sent(stamp_.now_s(), framed);
-  output_ += framed;
+  recorder_.sent(stamp_.now_s(), shown);
+  output_ += bytes;
   ++lines_sent_;
-  bytes_sent_ += framed.size();
+  bytes_sent_ += bytes.size();
 }
 
 void Link::send(std::string_view payload, Tag tag, double t) {
-  outstanding_.push_back({window_.next_number(), tag});
-  write(window_.send(payload), t);
+  const std::uint32_t number = window_.next_number();
+  outstanding_.push_back({number, tag});
+  const std::string bytes = window_.send(payload);
+  write(bytes, window_.packing() ? frame(number, payload) : bytes, t);
 }
 
 void Link::send_raw(std::string_view text, bool answered, double t) {
   if (answered) window_.sent_unnumbered();
-  write(std::string(text) + "\n", t);
+  // Plain text: the firmware's emergency parser looks at the bytes before they are unpacked.
+  if (packed_once_) output_ += kPackingOff;
+  const std::string line = std::string(text) + "\n";
+  write(line, line, t);
+  if (window_.packing()) output_ += kPackingOn;
 }
 
 void Link::pump(double t) {
-  while (const auto framed = window_.resend()) write(*framed, t);
+  while (const auto bytes = window_.resend()) {
+    const std::uint32_t number = window_.cursor() - 1;
+    write(*bytes, window_.packing() ? frame(number, window_.kept(number)) : *bytes, t);
+  }
 }
 
 void Link::on_reply(const Reply& reply, double t) {
   received_t_ = t;
+  const bool was_draining = window_.draining();
   if (!std::holds_alternative<Wait>(reply)) waits_ = 0;
   if (const auto* ok = std::get_if<Ok>(&reply)) {
-    window_.on_ok(ok->line);
+    window_.on_ok(ok->line, ok->queue_free);
     note_progress(t);
     patience_t_ = t;
   } else if (const auto* resend = std::get_if<Resend>(&reply)) {
@@ -73,13 +113,16 @@ void Link::on_reply(const Reply& reply, double t) {
       note_progress(t);
     }
   } else {
+    if (std::holds_alternative<Overrun>(reply)) window_.on_overrun();
     window_.on_other_line();
   }
+  if (window_.draining() && !was_draining) stop_packing();
 }
 
 std::optional<Tag> Link::take_acknowledged() {
   if (outstanding_.empty() || outstanding_.front().number > window_.acknowledged()) return {};
   const Tag tag = outstanding_.front().tag;
+  ++quiet_lines_;
   outstanding_.pop_front();
   return tag;
 }
@@ -117,7 +160,11 @@ void Link::elapsed(double t) {
   }
   if (!window_.waiting() || held_) return;
   if (window_.throttled() && t >= patience_t_ + timing_.patience_s) window_.on_patience(), patience_t_ = t;
-  if (t >= progress_t_ + stall_after_s()) window_.on_stall(!long_outstanding()), progress_t_ = t;
+  if (t >= progress_t_ + stall_after_s()) {
+    window_.on_stall(!long_outstanding());
+    if (window_.stalls() > 1) stop_packing();
+    progress_t_ = t;
+  }
 }
 
 }  // namespace voidpath::fw::marlin

@@ -47,7 +47,18 @@ class Link {
   /// The time from a line to its ok while the printer did nothing else.
   void learn_round_trip(double seconds) noexcept;
 
-  bool may_send(std::string_view payload) const noexcept { return window_.may_send(payload); }
+  /// From now on lines go packed: the firmware said it understands.
+  void start_packing() noexcept { window_.set_packing(true), packed_once_ = true, quiet_lines_ = 0; }
+  /// A request or a stall ended the packing: damage that no checksum shows is likelier in packed lines. True
+  /// when so many lines have gone well since that it may be tried again.
+  bool packing_due() const noexcept;
+  /// It was tried and not answered.
+  void packing_failed() noexcept { quiet_lines_ = 0; }
+  /// After all was forgotten: nothing is packed.
+  void forget_packing() noexcept { window_.set_packing(false), packed_once_ = false; }
+  /// For so long what is on its way keeps the wire busy.
+  double rest_s() const noexcept;
+  bool may_send(std::string_view payload) const { return window_.may_send(payload); }
   void send(std::string_view payload, Tag tag, double t);
   /// Without a number. `answered`: an ok comes back for it.
   void send_raw(std::string_view text, bool answered, double t);
@@ -80,7 +91,8 @@ class Link {
     std::uint32_t number = 0;
     Tag tag;
   };
-  void write(std::string_view framed, double t);
+  void write(std::string_view bytes, std::string_view shown, double t);
+  void stop_packing();
   bool long_outstanding() const noexcept;
   double stall_after_s() const noexcept;
   double quiet_after_s() const noexcept;
@@ -96,6 +108,8 @@ class Link {
   double received_t_ = 0;
   double progress_t_ = 0;
   double patience_t_ = 0;
+  bool packed_once_ = false;
+  std::uint64_t quiet_lines_ = 0;  ///< acknowledged since packing ended
   bool held_ = false;
   bool busy_seen_ = false;
   int waits_ = 0;  ///< `wait` in a row

@@ -204,6 +204,10 @@ Reply parse_reply(std::string_view raw) {
   if (const auto resend = parse_resend(line)) return *resend;
   if (const auto busy = parse_busy(line)) return *busy;
   if (const auto action = parse_action(line)) return *action;
+  if (line.starts_with("[MP]"))
+    return PackState{line.find(" ON") != line.npos, line.find(" NSP") != line.npos};
+  if (line.find("RX BUF overflow") != line.npos || line.find("Full RX Buffer") != line.npos)
+    return Overrun{std::string(line)};
   if (lower(line.substr(0, 6)) == "error:") return parse_error(line.substr(6));
   if (line.starts_with("!!")) {
     Error error = parse_error(line.substr(2));

@@ -40,6 +40,15 @@ struct Busy {
 };
 /// The firmware booted: positions, temperatures and line numbers are lost.
 struct Start {};
+/// MeatPack's state, after each of its commands.
+struct PackState {
+  bool on = false;
+  bool no_spaces = false;
+};
+/// More was sent than the receive buffer holds.
+struct Overrun {
+  std::string text;
+};
 /// Queue and receive buffer are empty (Repetier, NO_TIMEOUTS).
 struct Wait {};
 struct TemperatureReport {
@@ -65,8 +74,8 @@ struct Other {
   std::string text;
 };
 
-using Reply = std::variant<Ok, Resend, Error, Busy, Start, Wait, TemperatureReport, Action, Capability,
-                           Firmware, Echo, Other>;
+using Reply = std::variant<Ok, Resend, Error, Busy, Start, Wait, PackState, Overrun, TemperatureReport,
+                           Action, Capability, Firmware, Echo, Other>;
 
 /// `line` without its line end.
 Reply parse_reply(std::string_view line);

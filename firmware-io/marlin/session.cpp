@@ -34,6 +34,7 @@ std::unique_ptr<PrinterPort> open_marlin(PortOptions options, std::shared_ptr<co
   session.driver.handshake.boot_wait_s = options.boot_wait_s;
   session.driver.byte_s = marlin::kBitsPerByte / options.baud;
   session.driver.cancel_gcode = options.cancel_gcode;
+  session.driver.meatpack = options.meatpack;
   session.reconnect_s = options.reconnect_s;
   auto open = [port = options.port, baud = options.baud] { return open_serial_port(port, baud); };
   return marlin::start_session(std::move(session), std::move(open), std::move(clock), std::move(handler));

@@ -1,9 +1,11 @@
 #include "firmware-io/marlin/window.h"
 
 #include "firmware-io/marlin/codec.h"
+#include "firmware-io/marlin/meatpack.h"
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 namespace voidpath::fw::marlin {
 namespace {
@@ -14,6 +16,18 @@ constexpr int kTypicalLine = 40;
 // An error is followed by its Resend and that by its ok.
 constexpr int kOkAfterError = 2;
 constexpr int kOkAfterResend = 1;
+
+// A request is early when the limit was still growing or had stood at the ceiling for fewer oks. With damage
+// once in 10 kB every third is. So many in a row lower the ceiling by a quarter.
+constexpr int kEarly_oks = 32;
+constexpr int kEarlyRequestsThatTell = 4;
+
+// Marlin's BUFSIZE is 4, on big boards up to 64.
+constexpr int kMostQueuePlaces = 64;
+
+// How the ceiling comes back: a byte each so many oks, four times as slowly after each lowering.
+constexpr int kCreepFastest_oks = 16;
+constexpr int kCreepSlowest_oks = 1024;
 
 int digits(std::uint32_t value) noexcept {
   int n = 1;
@@ -27,14 +41,19 @@ Window::Window(WindowOptions options)
     : options_(options),
       history_(options.history),
       limit_(options.max_bytes),
-      threshold_(options.max_bytes) {}
+      threshold_(options.max_bytes),
+      ceiling_(options.max_bytes),
+      creep_oks_(kCreepFastest_oks) {}
 
 void Window::restart(std::uint32_t last) {
   in_flight_.clear();
   first_kept_ = cursor_ = next_ = last + 1;
   acknowledged_ = last;
   bytes_in_flight_ = 0;
-  limit_ = threshold_ = options_.max_bytes;
+  limit_ = threshold_ = ceiling_ = options_.max_bytes;
+  creep_oks_ = kCreepFastest_oks;
+  oks_ = early_requests_ = queue_places_ = 0;
+  counts_trusted_ = true;
   draining_ = grant_ = probing_ = probe_answered_ = resent_was_in_flight_ = false;
   request_ok_due_ = 0;
   round_line_ = 0;
@@ -43,7 +62,8 @@ void Window::restart(std::uint32_t last) {
 }
 
 // N, digits, blank, payload, star, at most three digits, newline. The checksum is taken at its longest.
-std::size_t Window::framed_bytes(std::string_view payload) const noexcept {
+std::size_t Window::framed_bytes(std::string_view payload) const {
+  if (packing_) return encode(next_, payload).size();
   return payload.size() + static_cast<std::size_t>(digits(next_)) + 7;
 }
 
@@ -53,7 +73,12 @@ bool Window::has_room(std::size_t bytes) const noexcept {
   return bytes_in_flight_ + static_cast<int>(bytes) <= limit_;
 }
 
-bool Window::may_send(std::string_view payload) const noexcept {
+std::string Window::encode(std::uint32_t number, std::string_view payload) const {
+  if (!packing_) return frame(number, payload);
+  return pack(frame(number, without_blanks(payload), payload.front() == 'G' ? "" : " "));
+}
+
+bool Window::may_send(std::string_view payload) const {
   return !resending() && has_room(framed_bytes(payload));
 }
 
@@ -69,8 +94,8 @@ void Window::note_sent(std::uint32_t number, std::size_t bytes) {
 
 std::string Window::send(std::string_view payload) {
   assert(may_send(payload));
-  std::string framed = frame(next_, payload);
-  assert(framed.size() <= kMaxFramed + 1);
+  assert(framed_bytes(payload) > 0 && payload.size() <= kMaxPayload);
+  std::string framed = encode(next_, payload);
   slot(next_) = payload;
   note_sent(next_, framed.size());
   cursor_ = ++next_;
@@ -81,7 +106,7 @@ std::string Window::send(std::string_view payload) {
 
 std::optional<std::string> Window::resend() {
   if (!resending()) return {};
-  std::string framed = frame(cursor_, slot(cursor_));
+  std::string framed = encode(cursor_, slot(cursor_));
   if (!has_room(framed.size())) return {};
   note_sent(cursor_, framed.size());
   ++cursor_;
@@ -95,14 +120,62 @@ void Window::acknowledge_front() {
   in_flight_.pop_front();
   bytes_in_flight_ -= front.bytes;
   acknowledged_ = std::max(acknowledged_, front.number);
-  limit_ = std::min(options_.max_bytes, limit_ + (limit_ < threshold_ ? std::max(front.bytes, 1) : 1));
+  grow(front.bytes);
+}
+
+// However low the ceiling, two lines may be out: else a lost ok would only be noticed by a stall.
+int Window::patient_limit() const noexcept {
+  return std::min(options_.max_bytes, std::max(ceiling_, 2 * kTypicalLine));
+}
+
+void Window::grow(int bytes) {
+  if (limit_ < ceiling_) {
+    limit_ = std::min(ceiling_, limit_ + (limit_ < threshold_ ? std::max(bytes, 1) : 1));
+    oks_ = 0;
+  } else if (++oks_ % creep_oks_ == 0 && ceiling_ < options_.max_bytes) {
+    limit_ = ++ceiling_;
+    if (ceiling_ == options_.max_bytes) creep_oks_ = kCreepFastest_oks;
+  }
+}
+
+// A request came: one line next, and perhaps less than before in all.
+void Window::restrain() {
+  if (limit_ < ceiling_ || oks_ < kEarly_oks) {
+    if (++early_requests_ >= kEarlyRequestsThatTell) lower_ceiling();
+  } else {
+    early_requests_ = 1;
+    creep_oks_ = std::max(creep_oks_ / 2, kCreepFastest_oks);
+  }
+  oks_ = 0;
+  threshold_ = std::max(limit_ / 2, 1);
+}
+
+void Window::lower_ceiling() {
+  early_requests_ = 0;
+  counts_trusted_ = false;
+  ceiling_ = std::min(ceiling_, std::max(ceiling_ * 3 / 4, kTypicalLine));
+  creep_oks_ = std::min(creep_oks_ * 4, kCreepSlowest_oks);
+}
+
+void Window::on_overrun() {
+  ++disturbances_;
+  if (!draining_) lower_ceiling();
+  limit_ = std::min(limit_, ceiling_);
+}
+
+// The first so many lines in flight stand in the command queue.
+void Window::leave_ring(int lines) {
+  for (Flight& flight : in_flight_) {
+    if (lines-- <= 0) return;
+    bytes_in_flight_ -= std::exchange(flight.bytes, 0);
+  }
 }
 
 void Window::acknowledge_all() {
   while (!in_flight_.empty()) acknowledge_front();
 }
 
-void Window::on_ok(std::optional<std::uint32_t> line) {
+void Window::on_ok(std::optional<std::uint32_t> line, std::optional<int> queue_free) {
   if (request_ok_due_ > 0) {
     request_ok_due_ = 0;
     ++request_oks_seen_;
@@ -113,9 +186,13 @@ void Window::on_ok(std::optional<std::uint32_t> line) {
   if (line) {
     const auto known = std::find_if(in_flight_.begin(), in_flight_.end(),
                                     [&](const Flight& flight) { return flight.number == *line; });
-    for (auto n = known == in_flight_.end() ? 0 : known - in_flight_.begin() + 1; n > 0; --n)
-      acknowledge_front();
-    return;  // a number not in flight is old, or damaged
+    if (known == in_flight_.end()) return;  // old, or damaged
+    for (auto n = known - in_flight_.begin() + 1; n > 0; --n) acknowledge_front();
+    if (queue_free && *queue_free >= 0 && *queue_free <= kMostQueuePlaces) {
+      queue_places_ = std::max(queue_places_, *queue_free);
+      if (counts_trusted_ && !draining_) leave_ring(queue_places_ - *queue_free);
+    }
+    return;
   }
   if (!in_flight_.empty()) {
     acknowledge_front();
@@ -155,7 +232,7 @@ void Window::on_resend(std::uint32_t line) {
     if (line <= acknowledged_ && !draining_) ++doubtful_requests_;
     rewind_to(line);
   }
-  if (!draining_) threshold_ = std::max(limit_ / 2, 1);
+  if (!draining_) restrain();
   limit_ = 0;
   draining_ = true;
   grant_ = probing_ = false;
@@ -188,7 +265,7 @@ void Window::on_quiet() {
 }
 
 void Window::on_patience() {
-  if (!draining_) limit_ = std::min(options_.max_bytes, limit_ + kTypicalLine);
+  if (!draining_) limit_ = std::max(limit_, std::min(patient_limit(), limit_ + kTypicalLine));
 }
 
 void Window::on_stall(bool may_overfill) {

@@ -19,6 +19,13 @@
 /// request belongs to it and may overtake the oks still owed for earlier lines; some firmware never says it.
 /// A line that repeats the last or last but one taken is met with silence.
 ///
+/// How much may be out. After a request: one line, then
+/// twice as much with each round up to half of what was out, then a byte more with each ok up to the ceiling.
+/// The ceiling is max_bytes until requests follow one another so quickly that damage on the wire cannot be
+/// it: then the receive buffer is smaller than was said, or something else writes into it. It is lowered and
+/// creeps up again. Where the oks count the free places of the command queue (ADVANCED_OK), lines standing in
+/// that queue no longer count: they have left the receive buffer.
+///
 /// Exactly once needs the numbers alone; the acknowledgements only pace. A lost or doubled ok therefore
 /// costs time or moves an acknowledgement by a line, never a line.
 namespace voidpath::fw::marlin {
@@ -47,9 +54,12 @@ class Window {
   // --- sending ---
 
   /// True when a new line of this payload may go out now.
-  bool may_send(std::string_view payload) const noexcept;
+  bool may_send(std::string_view payload) const;
   /// Numbers, keeps and frames a new line; may_send() must hold.
   std::string send(std::string_view payload);
+  /// From now on lines are packed (meatpack.h) and counted as what they then fill.
+  void set_packing(bool on) noexcept { packing_ = on; }
+  bool packing() const noexcept { return packing_; }
   /// A line the firmware wants again, framed, if there is one and it may go out now.
   std::optional<std::string> resend();
   /// An unnumbered line that will be answered by an ok went out.
@@ -57,10 +67,13 @@ class Window {
 
   // --- what the printer says; each line of it is reported by exactly one of these ---
 
-  void on_ok(std::optional<std::uint32_t> line);
+  /// `queue_free`: the B of ADVANCED_OK.
+  void on_ok(std::optional<std::uint32_t> line, std::optional<int> queue_free = {});
   void on_resend(std::uint32_t line);
   void on_framing_error(std::optional<std::uint32_t> last_line);
   void on_other_line();
+  /// The firmware says that its receive buffer ran over.
+  void on_overrun();
 
   // --- what the clock says ---
 
@@ -85,11 +98,16 @@ class Window {
   int stalls() const noexcept { return stalls_; }
   /// The line let out by a stall was answered: if it now stays quiet, all before it had been taken.
   bool probe_was_answered() const noexcept { return probing_ && probe_answered_; }
-  bool throttled() const noexcept { return limit_ < options_.max_bytes; }
+  bool throttled() const noexcept { return limit_ < patient_limit(); }
   /// Highest number acknowledged; never falls.
   std::uint32_t acknowledged() const noexcept { return acknowledged_; }
   std::uint32_t next_number() const noexcept { return next_; }
+  /// The next line to go out; resend() moves it.
+  std::uint32_t cursor() const noexcept { return cursor_; }
+  /// The payload of a line not longer ago than the history.
+  const std::string& kept(std::uint32_t number) const { return history_[number % history_.size()]; }
   int limit_bytes() const noexcept { return limit_; }
+  int ceiling_bytes() const noexcept { return ceiling_; }
   int bytes_in_flight() const noexcept { return bytes_in_flight_; }
   std::uint64_t resend_requests() const noexcept { return resend_requests_; }
   /// Requests for a line that had been acknowledged: a sign of a line run without its number.
@@ -105,12 +123,18 @@ class Window {
     int bytes = 0;             ///< in the receive ring, 0 once known to have left it
   };
 
-  std::size_t framed_bytes(std::string_view payload) const noexcept;
+  std::string encode(std::uint32_t number, std::string_view payload) const;
+  std::size_t framed_bytes(std::string_view payload) const;
   bool has_room(std::size_t bytes) const noexcept;
   void note_sent(std::uint32_t number, std::size_t bytes);
   void acknowledge_front();
   void acknowledge_all();
   void rewind_to(std::uint32_t line);
+  int patient_limit() const noexcept;
+  void grow(int bytes);
+  void restrain();
+  void lower_ceiling();
+  void leave_ring(int lines);
   void give_up(Health why) noexcept {
     if (health_ == Health::good) health_ = why;
   }
@@ -125,7 +149,14 @@ class Window {
   std::uint32_t acknowledged_ = 0;
   int bytes_in_flight_ = 0;
   int limit_;
-  int threshold_;  ///< up to here the limit doubles, beyond it creeps
+  int threshold_;           ///< up to here the limit doubles, beyond it creeps
+  int ceiling_;             ///< the limit's own limit
+  int creep_oks_;           ///< so many oks raise a lowered ceiling by a byte
+  int oks_ = 0;             ///< since the limit stands at the ceiling
+  int early_requests_ = 0;  ///< in a row
+  int queue_places_ = 0;    ///< the most ever reported free
+  bool counts_trusted_ = true;
+  bool packing_ = false;
   bool draining_ = false;
   bool grant_ = false;
   bool probing_ = false;  ///< the granted line went out

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -20,7 +21,10 @@ std::string explain(const std::string& name, const char* what, int error) {
 
 }  // namespace
 
-FdTransport::FdTransport(int fd, std::string name) : fd_(fd), name_(std::move(name)) {}
+FdTransport::FdTransport(int fd, std::string name) : fd_(fd), name_(std::move(name)) {
+  struct stat info {};
+  socket_ = ::fstat(fd, &info) == 0 && S_ISSOCK(info.st_mode);
+}
 
 FdTransport::~FdTransport() { ::close(fd_); }
 
@@ -33,8 +37,8 @@ std::size_t FdTransport::read(std::span<char> into) {
 }
 
 std::size_t FdTransport::write(std::string_view bytes) {
-  ssize_t n = ::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
-  if (n < 0 && errno == ENOTSOCK) n = ::write(fd_, bytes.data(), bytes.size());
+  const ssize_t n = socket_ ? ::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL)
+                            : ::write(fd_, bytes.data(), bytes.size());
   if (n >= 0) return static_cast<std::size_t>(n);
   if (just_not_now(errno)) return 0;
   throw PortError(explain(name_, "cannot write", errno));

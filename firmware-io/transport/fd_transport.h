@@ -23,6 +23,7 @@ class FdTransport : public Transport {
  private:
   int fd_;
   std::string name_;
+  bool socket_ = false;
 };
 
 }  // namespace voidpath::fw

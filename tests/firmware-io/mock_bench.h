@@ -75,19 +75,24 @@ class MockBench {
 
  private:
   static constexpr double kStart = 1000;
+  static constexpr double kRounding_s = 1e-9;
 
   void note(const fw::Event& event) { events.push_back(event); }
 
   void step() {
     if (!driver.output().empty()) printer.feed(std::exchange(driver.output(), {}));
-    double next = std::min(printer.next_event() + kStart, driver.deadline());
-    next = std::clamp(next, t(), t() + 1);
-    if (read_every_s > 0) next = std::max(next, t() + read_every_s);
-    clock.now = next;
-    printer.advance_to(t() - kStart);
+    // On the printer's clock, so that its events are met exactly.
+    double next = std::clamp(std::min(printer.next_event(), driver.deadline() - kStart), printer.now(),
+                             printer.now() + 1);
+    if (read_every_s > 0) next = std::max(next, printer.now() + read_every_s);
+    printer.advance_to(next);
+    clock.now = std::max(t(), next + kStart);
     const std::string said = printer.take_output();
     if (!said.empty()) driver.received(said, t());
-    if (t() >= driver.deadline()) driver.elapsed(t());
+    if (t() + kRounding_s >= driver.deadline()) {
+      clock.now = std::max(t(), driver.deadline());
+      driver.elapsed(t());
+    }
   }
 };
 

@@ -21,7 +21,7 @@ std::string command(int i) {
 
 void hear(Window& window, const std::string& line) {
   const Reply reply = parse_reply(line);
-  if (const auto* ok = std::get_if<Ok>(&reply)) return window.on_ok(ok->line);
+  if (const auto* ok = std::get_if<Ok>(&reply)) return window.on_ok(ok->line, ok->queue_free);
   if (const auto* resend = std::get_if<Resend>(&reply)) return window.on_resend(resend->line);
   if (const auto* error = std::get_if<Error>(&reply); error && error->kind == Error::Kind::framing) {
     return window.on_framing_error(error->last_line);
@@ -44,8 +44,9 @@ struct Run {
 
 /// Plays `lines` commands through a window into the model. Without time: both sides act as long as they can;
 /// when nothing moves, the clock events come in the order of their delays. `lazy` delays the firmware's
-/// execution by random steps.
-void play(Run& run, int lines, const Fault& to_printer, const Fault& to_host, std::mt19937* lazy = nullptr) {
+/// execution by random steps; with `one_in` it executes in one step of so many, so that its queue is full.
+void play(Run& run, int lines, const Fault& to_printer, const Fault& to_host, std::mt19937* lazy = nullptr,
+          unsigned one_in = 0) {
   int next = 0;
   bool confirmed = false;
   for (int step = 0; step < 200 * lines + 2000; ++step) {
@@ -59,7 +60,9 @@ void play(Run& run, int lines, const Fault& to_printer, const Fault& to_host, st
     while (next < lines && run.window.may_send(command(next))) transmit(run.window.send(command(next++)));
     if (run.window.wants_probe() && run.window.may_send("M105")) transmit(run.window.send("M105"));
     moved |= run.firmware.pull();
-    const int executions = lazy ? static_cast<int>((*lazy)() % 3) : 1;
+    const int executions = !lazy         ? 1
+                           : one_in == 0 ? static_cast<int>((*lazy)() % 3)
+                                         : static_cast<int>((*lazy)() % one_in == 0);
     for (int i = 0; i < executions && run.firmware.front(); ++i) run.firmware.execute(), moved = true;
     moved |= run.firmware.front() != nullptr;
     for (const std::string& line : std::exchange(run.firmware.replies, {})) {
@@ -323,4 +326,67 @@ TEST_CASE("doubled acknowledgements never lose a line", "[window]") {
     CHECK(run.finished);
     CHECK(moves_of(run.firmware) == expected(300));
   }
+}
+
+TEST_CASE("a receive buffer smaller than said is found out, and then seldom overrun", "[window]") {
+  for (const std::size_t ring : {40u, 63u, 90u}) {
+    CAPTURE(ring);
+    std::mt19937 lazy(3);
+    Run run{Window(), ModelFirmware({.ring_bytes = ring, .queue_lines = 1})};
+    play(run, 20000, pass, pass, &lazy, 4);
+    CHECK(run.finished);
+    CHECK(moves_of(run.firmware) == expected(20000));
+    // What stands in the one place of the queue counts as well: a line of some 25 bytes.
+    CHECK(run.window.ceiling_bytes() < static_cast<int>(ring) + 35);
+    CHECK(run.window.resend_requests() < 200);  // one line in a hundred
+  }
+}
+
+TEST_CASE("damage once in 10 kB does not lower the window for long", "[window]") {
+  std::mt19937 random(7);
+  Run run;
+  int low = 0, samples = 0;
+  const auto damage = [&](std::size_t, std::string line) {
+    ++samples;
+    low += run.window.ceiling_bytes() < 90 ? 1 : 0;
+    return random() % 260 == 0 ? corrupted(line) : line;
+  };
+  play(run, 20000, damage, pass);
+  CHECK(run.finished);
+  CHECK(run.window.resend_requests() > 50);
+  CHECK(low * 20 < samples);
+}
+
+TEST_CASE("free places reported with the ok let more out, and never too much", "[window]") {
+  for (const std::size_t queue : {4u, 16u}) {
+    CAPTURE(queue);
+    std::mt19937 lazy(3);
+    Run run{Window(), ModelFirmware({.queue_lines = queue, .advanced_ok = true})};
+    // While nothing else is queued all places but its own are free.
+    run.firmware.receive(run.window.send("M107"));
+    run.firmware.pull();
+    run.firmware.execute();
+    for (const std::string& line : std::exchange(run.firmware.replies, {})) hear(run.window, line);
+    std::size_t most_lines = 0;
+    const auto count = [&](std::size_t, std::string line) {
+      most_lines =
+          std::max<std::size_t>(most_lines, run.window.next_number() - run.window.acknowledged() - 1);
+      return line;
+    };
+    play(run, 2000, count, pass, &lazy, 4);
+    CHECK(run.finished);
+    CHECK(run.firmware.overflowed == 0);
+    CHECK(run.window.resend_requests() == 0);
+    // 127 bytes are five of these lines.
+    CHECK(most_lines >= 5 + queue - 2);
+  }
+}
+
+TEST_CASE("a firmware that says it was overrun gets less at once", "[window]") {
+  Window window;
+  const int before = window.ceiling_bytes();
+  window.send(command(1));
+  window.on_overrun();
+  CHECK(window.ceiling_bytes() < before);
+  CHECK(window.limit_bytes() <= window.ceiling_bytes());
 }

@@ -44,7 +44,7 @@ constexpr const char* kUsage =
     "  --rx-buffer N --queue N --block-buffer N   sizes (128, 4, 16)\n"
     "  --boot-s F            deaf so long after a reset (0)\n"
     "  --reset-on-open       each open of the port resets the printer\n"
-    "  --advanced-ok --emergency-parser --cold-extrusion\n"
+    "  --advanced-ok --emergency-parser --meatpack --cold-extrusion\n"
     "  --steps, --max-speed, --max-acceleration, --jerk X,Y,Z,E   --acceleration PRINT,RETRACT,TRAVEL\n"
     "  --junction-deviation MM   --volume X,Y,Z (what M211 tells)\n"
     "SIGUSR1: report on stderr; SIGUSR2: reset\n";
@@ -86,6 +86,7 @@ struct Setup {
 bool take_switch(Setup& s, std::string_view flag) {
   if (flag == "--advanced-ok") return s.printer.advanced_ok = true;
   if (flag == "--emergency-parser") return s.printer.emergency_parser = true;
+  if (flag == "--meatpack") return s.printer.meatpack = true;
   if (flag == "--cold-extrusion") return s.printer.cold_extrusion = true;
   if (flag == "--heated-bed") return s.heated_bed = true;
   if (flag == "--reset-on-open") return s.runner.reset_on_open = true;

@@ -201,6 +201,7 @@ bool MockMarlin::execute_host(const Command& c) {
       write(options_.dialect.identity);
       if (options_.dialect.name == "marlin2")
         write_line(std::string("Cap:EMERGENCY_PARSER:") + (options_.emergency_parser ? "1" : "0"));
+      if (options_.meatpack) write_line("Cap:MEATPACK:1");
       return true;
     case 118:
       write_line((c.has('E') ? "echo:" : "") + std::string(c.argument()));

@@ -32,6 +32,7 @@ void MockMarlin::reset() {
   hotend_.set_target(now_, 0);
   bed_.set_target(now_, 0);
   ring_.clear();
+  unpacker_.reset();
   protocol_.reset();
   queue_.clear();
   tasks_.clear();
@@ -176,11 +177,23 @@ void MockMarlin::process() {
 void MockMarlin::read_lines() {
   while (!ring_.empty() && queue_.size() < options_.queue && !halted_ && now_ >= silent_until_) {
     const char byte = ring_.pop();
-    if (byte == '\n' || byte == '\r')
-      handle_line_end(byte);
-    else if (auto result = protocol_.take(byte))
-      handle_result(*result);
+    if (!options_.meatpack) {
+      read_character(byte);
+      continue;
+    }
+    std::string characters;
+    bool told = false;
+    unpacker_.take(byte, characters, told);
+    if (told) write_line(unpacker_.state());
+    for (const char c : characters) read_character(c);
   }
+}
+
+void MockMarlin::read_character(char byte) {
+  if (byte == '\n' || byte == '\r')
+    handle_line_end(byte);
+  else if (auto result = protocol_.take(byte))
+    handle_result(*result);
 }
 
 void MockMarlin::handle_line_end(char byte) {
@@ -285,6 +298,7 @@ bool MockMarlin::resume() {
 bool MockMarlin::task_done(Task& task) {
   switch (task.kind) {
     case Task::Kind::kMove:
+      if (options_.instant_moves) return true;
       if (motion_.full()) return false;
       motion_.add_move(now_, task.target, segment_feed_, flow_);
       motion_.update(now_);

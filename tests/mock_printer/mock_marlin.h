@@ -7,6 +7,7 @@
 #include "tests/mock_printer/motion.h"
 #include "tests/mock_printer/options.h"
 #include "tests/mock_printer/rx_ring.h"
+#include "tests/mock_printer/unpacker.h"
 #include "tests/mock_printer/wire.h"
 
 #include <deque>
@@ -93,6 +94,7 @@ class MockMarlin final : public Firmware {
   void fire_due();
   void receive(char byte);
   void read_lines();
+  void read_character(char byte);
   void handle_line_end(char byte);
   void handle_result(const LineResult& result);
   void emergency(std::string_view line);
@@ -138,6 +140,7 @@ class MockMarlin final : public Firmware {
   Wire wire_in_, wire_out_;
   std::string ready_out_;
   RxRing ring_;
+  Unpacker unpacker_;
   LineProtocol protocol_;
   FaultInjector faults_;
   std::deque<Queued> queue_;  ///< the executing command stays in front until it is done

@@ -22,6 +22,8 @@ struct Options {
   double boot_s = 0;              ///< what arrives meanwhile is lost
   bool advanced_ok = false;
   bool emergency_parser = false;  ///< M108, M112, M410 act as they arrive
+  bool meatpack = false;          ///< offers and understands it
+  bool instant_moves = false;     ///< no planner: a move is over as soon as it is read
   bool parenthesis_comments = false;
   bool cold_extrusion = false;  ///< extrude at any temperature
   double min_extrusion_temperature = 170;
@@ -51,6 +53,8 @@ class OptionsBuilder {
   OptionsBuilder& boot(double s) { return set(&Options::boot_s, s); }
   OptionsBuilder& advanced_ok(bool on = true) { return set(&Options::advanced_ok, on); }
   OptionsBuilder& emergency_parser(bool on = true) { return set(&Options::emergency_parser, on); }
+  OptionsBuilder& meatpack(bool on = true) { return set(&Options::meatpack, on); }
+  OptionsBuilder& instant_moves(bool on = true) { return set(&Options::instant_moves, on); }
   OptionsBuilder& cold_extrusion(bool on = true) { return set(&Options::cold_extrusion, on); }
   OptionsBuilder& seed(std::uint64_t s) { return set(&Options::seed, s); }
   OptionsBuilder& fault(const Fault& fault) {

@@ -1,0 +1,37 @@
+#pragma once
+
+#include "tests/mock_printer/mock_marlin.h"
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <sys/types.h>
+
+/// The mock firmware behind a pseudo terminal with the pace of a serial wire, in real time: what a host
+/// meets.
+namespace voidpath::bench {
+
+struct Outcome {
+  int exit_code = -1;
+  std::uint64_t commands = 0;  ///< executed, the host's own included
+  std::uint64_t bytes = 0;     ///< of the print, as they went over the wire
+  double stream_s = 0;         ///< between the executions of the first and the last
+  std::uint64_t resends = 0;
+  std::uint64_t bytes_dropped = 0;
+  double cpu_s = 0;        ///< of the host's process
+  double resident_mb = 0;  ///< its highest
+  std::string output;      ///< what it printed
+  std::vector<std::string> executed;
+  double halted_at_s = -1;  ///< CLOCK_MONOTONIC when M112 was in the terminal
+};
+
+/// Runs `host` (a command; `PORT` in it stands for the terminal's path) against a printer until it exits.
+/// The print is from the command `first` to the command `last`.
+Outcome run_host(const voidpath::test::mock::Options& printer, std::vector<std::string> host,
+                 std::string_view first, std::string_view last, double limit_s);
+
+double monotonic_s();
+
+}  // namespace voidpath::bench
