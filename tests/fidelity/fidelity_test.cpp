@@ -1,0 +1,226 @@
+#include "config/config.h"
+#include "engine/mesh/import.h"
+#include "engine/pipeline/slice_part.h"
+#include "tests/fidelity/check.h"
+#include "tests/support/meshes.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+using namespace voidpath;
+using namespace voidpath::fidelity;
+namespace fs = std::filesystem;
+
+namespace {
+
+pipeline::PrepareOptions options_for(const std::vector<std::pair<std::string, std::string>>& set) {
+  const config::Profile profile = config::load_profile("generic-marlin", set);
+  pipeline::PrepareOptions options;
+  options.print = profile.print;
+  options.limits = profile.limits;
+  // Larger than any part: placement is not what is looked at here.
+  options.print.machine.bed_mm = {1500, 1500};
+  options.print.machine.height_mm = 1500;
+  options.print.machine.start_gcode.clear();
+  options.print.machine.end_gcode.clear();
+  return options;
+}
+
+struct Sliced {
+  mesh::TriangleMesh placed;
+  std::string gcode;
+  Rules rules;
+  double filament_diameter = 1.75, flow = 1;
+};
+
+Sliced sliced(const mesh::TriangleMesh& mesh, const pipeline::PrepareOptions& options) {
+  const geom::Vec3 up = geom::Vec3::UnitZ();
+  const auto& p = options.print;
+  Sliced out;
+  std::ostringstream text;
+  pipeline::slice_part(mesh, up, options, text, {});
+  out.gcode = text.str();
+  out.placed = mesh::turned(mesh, up);
+  for (auto& v : out.placed.vertices)
+    v += geom::Vec3(0.5 * p.machine.bed_mm[0], 0.5 * p.machine.bed_mm[1], 0);
+  out.rules.line_width = p.slice.line_width_mm;
+  out.rules.infill_density = p.slice.infill_density;
+  out.rules.support_density = p.slice.support_density;
+  out.rules.support_angle_deg = p.slice.support_angle_deg;
+  out.rules.support_z_gap = p.slice.support_z_gap_mm;
+  out.filament_diameter = p.filament.diameter_mm;
+  out.flow = p.filament.flow;
+  return out;
+}
+
+Findings checked(const Sliced& part) {
+  std::istringstream in(part.gcode);
+  const Print print = read_print(in, part.filament_diameter, part.flow);
+  for (const std::string& complaint : print.complaints) FAIL_CHECK(complaint);
+  return check(part.placed, print, part.rules);
+}
+
+/// Beyond its section by the compensation that is allowed, mm, and the pixels' error.
+double outside_limit(const Findings& f) { return 0.05 + 1.5 * f.pixel; }
+/// Where lines of a skin turn, a corner stays open: half its width, mm, and the pixels' error.
+double hole_limit(const Findings& f) { return 0.15 + f.pixel; }
+/// The tip of a strand may stick out by its own width.
+constexpr double kTip = 0.5;
+
+std::string told(const std::string& name, const Findings& f) {
+  std::ostringstream s;
+  const auto worst = [&](const char* what, const Worst& w) {
+    s << "  " << what << " " << w.value;
+    if (!w.where.empty()) s << " " << w.where;
+    s << "\n";
+  };
+  s << name << ": " << f.layers << " layers, pixel " << f.pixel << " mm\n";
+  worst("outside", f.outside);
+  worst("uncovered/allowed", f.uncovered);
+  worst("top hole", f.top_hole);
+  worst("bottom hole", f.bottom_hole);
+  worst("loose", f.loose);
+  worst("unannounced", f.unannounced);
+  s << "  loose " << f.loose_mm << ", unannounced " << f.unannounced_mm << " of " << f.length_mm
+    << " mm; volume " << f.volume_ratio << "\n";
+  return s.str();
+}
+
+}  // namespace
+
+using Set = std::vector<std::pair<std::string, std::string>>;
+
+TEST_CASE("what is printed is the part, layer by layer") {
+  const std::pair<const char*, mesh::TriangleMesh> shapes[] = {
+      {"cube", test::cube(15)},
+      {"cylinder", test::cylinder(8, 6)},
+      {"cup", test::cup(18, 14, 8, 1.1, 1.4)},
+      {"comb", test::comb(3, 2, 3, 6, 2)},
+      {"table", test::table(20, 15, 6, 2, 3)},
+      {"sphere", test::sphere(8, 24, 40)},
+  };
+  const Set sets[] = {{},
+                      {{"slice.infill_density", "1"}},
+                      {{"slice.infill_pattern", "gyroid"}, {"slice.perimeters", "3"}},
+                      {{"slice.infill_pattern", "grid"}, {"slice.layer_height_mm", "0.28"}},
+                      {{"slice.external_perimeters_first", "true"}, {"slice.infill_pattern", "concentric"}}};
+  for (const auto& [name, mesh] : shapes)
+    for (const Set& set : sets) {
+      const Findings f = checked(sliced(mesh, options_for(set)));
+      INFO(told(name, f));
+      CHECK(f.layers > 10);
+      CHECK(f.length_mm > 500);
+      CHECK(f.outside.value <= outside_limit(f));
+      CHECK(f.uncovered.value <= 1);
+      CHECK(f.top_hole.value <= hole_limit(f));
+      CHECK(f.bottom_hole.value <= hole_limit(f));
+      CHECK(f.loose.value <= kTip);
+      CHECK(f.unannounced.value <= kTip);
+      CHECK(f.volume_ratio == Approx(1).margin(0.02));
+    }
+}
+
+TEST_CASE("the checker sees what is wrong") {
+  const Sliced good = sliced(test::table(20, 15, 6, 2, 3), options_for({}));
+  // Each edit stands for a mistake a slicer can make; it gets a line of G-code, the layer and the type.
+  const auto edited = [&](auto&& edit) {
+    Sliced bad = good;
+    bad.gcode.clear();
+    std::istringstream in(good.gcode);
+    std::string line, type;
+    int layer = -1;
+    while (std::getline(in, line)) {
+      if (line == ";LAYER_CHANGE") ++layer;
+      if (line.rfind(";TYPE:", 0) == 0) type = line.substr(6);
+      bad.gcode += edit(line, layer, type) + "\n";
+    }
+    return checked(bad);
+  };
+  const auto dry = [](std::string line) { return line.substr(0, line.find(" E")); };
+
+  const Findings open_top = edited([&](const std::string& line, int layer, const std::string& type) {
+    return layer == 29 && type == "Top solid infill" ? dry(line) : line;
+  });
+  CHECK(open_top.top_hole.value > 1);
+  CHECK(open_top.bottom_hole.value <= hole_limit(open_top));
+
+  const Findings open_bottom = edited([&](const std::string& line, int layer, const std::string& type) {
+    return layer == 0 && type == "Solid infill" ? dry(line) : line;
+  });
+  CHECK(open_bottom.bottom_hole.value > 0.3);
+
+  const Findings no_support = edited([&](const std::string& line, int, const std::string& type) {
+    return type.rfind("Support", 0) == 0               ? dry(line)
+           : type == "Bridge infill" && line[0] == ';' ? ";TYPE:Solid infill"
+                                                       : line;
+  });
+  CHECK(no_support.unannounced.value + no_support.loose.value > 5);
+
+  const Findings missing_layer = edited(
+      [&](const std::string& line, int layer, const std::string&) { return layer == 10 ? dry(line) : line; });
+  CHECK(missing_layer.loose.value > 3);
+
+  const Findings fat = edited([&](const std::string& line, int, const std::string& type) {
+    const std::size_t e = line.find(" E");
+    if (type != "External perimeter" || line.rfind("G1 ", 0) != 0 || e == std::string::npos ||
+        line[e + 2] == '-')
+      return line;
+    return line.substr(0, e) + " E" + std::to_string(2 * std::stod(line.substr(e + 2)));
+  });
+  CHECK(fat.outside.value > outside_limit(fat));
+  CHECK(fat.volume_ratio > 1.05);
+}
+
+TEST_CASE("real parts are printed as they are", "[corpus]") {
+  const std::string shared = test::shared_dir();
+  if (shared.empty()) {
+    WARN("VOIDPATH_SHARED is not set: skipped");
+    return;
+  }
+  for (const char* name : {"rpg-scad__gnome.stl", "rpg-scad__comb_13.stl"}) {
+    const fs::path file = fs::path(shared) / "models" / name;
+    if (!fs::exists(file)) continue;
+    const Findings f = checked(sliced(mesh::import_model(file, {}, {}).mesh, options_for({})));
+    INFO(told(name, f));
+    CHECK(f.outside.value <= 0.2);
+    CHECK(f.top_hole.value <= hole_limit(f));
+    CHECK(f.bottom_hole.value <= hole_limit(f));
+    CHECK(f.loose.value <= kTip);
+    CHECK(f.unannounced.value <= kTip);
+    CHECK(f.volume_ratio == Approx(1).margin(0.02));
+  }
+}
+
+TEST_CASE("every real part, printed sparse and solid", "[.every]") {
+  const std::string shared = test::shared_dir();
+  REQUIRE(!shared.empty());
+  const char* only = std::getenv("VOIDPATH_ONLY");  // part of a name; empty: all
+  std::vector<fs::path> files;
+  for (const auto& e : fs::directory_iterator(fs::path(shared) / "models")) {
+    const auto extension = e.path().extension();
+    if (only != nullptr && e.path().filename().string().find(only) == std::string::npos) continue;
+    if (extension == ".stl" || extension == ".obj" || extension == ".3mf") files.push_back(e.path());
+  }
+  std::sort(files.begin(), files.end());
+  for (const fs::path& file : files)
+    for (const Set& set : {Set{}, Set{{"slice.infill_density", "1"}}}) {
+      const std::string name = file.filename().string() + (set.empty() ? "" : ", solid");
+      const Findings f = checked(sliced(mesh::import_model(file, {}, {}).mesh, options_for(set)));
+      std::cout << told(name, f) << std::flush;
+      INFO(told(name, f));
+      CHECK(f.outside.value <= outside_limit(f));
+      CHECK(f.uncovered.value <= 1);
+      CHECK(f.top_hole.value <= hole_limit(f));
+      CHECK(f.bottom_hole.value <= hole_limit(f));
+      CHECK(f.loose.value <= kTip);
+      CHECK(f.unannounced.value <= kTip);
+      CHECK(f.volume_ratio == Approx(1).margin(0.02));
+    }
+}
