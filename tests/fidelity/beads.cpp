@@ -108,10 +108,14 @@ class Interpreter {
     const double length = std::hypot(x - x_, y - y_);
     layer.volume += volume;
     const double h = layer.height;
-    const bool round = kind_ == Kind::bridge && width_ > 0;
-    const double told = round        ? kPi / 4 * width_ * width_
-                        : width_ > h ? (width_ - h * (1 - kPi / 4)) * h
-                                     : kPi / 4 * width_ * h;
+    // What overhangs may be a strand in air or a bead squeezed on its neighbour: the comments don't tell
+    // which.
+    const double flat = width_ > h ? (width_ - h * (1 - kPi / 4)) * h : kPi / 4 * width_ * h;
+    const double strand = kPi / 4 * width_ * width_;
+    const double area_here = length > 0 ? volume / length : 0;
+    const bool round =
+        kind_ == Kind::bridge && width_ > 0 && std::abs(area_here - strand) < std::abs(area_here - flat);
+    const double told = round ? strand : flat;
     layer.implied += length * told;
     if (length < kLeastLength) return;
     const double area = volume / length;
