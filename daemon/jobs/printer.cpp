@@ -160,6 +160,10 @@ std::vector<std::string> Printer::dialogue() const {
 
 void Printer::halt_now(const std::string& reason) noexcept {
   if (pins_) pins_->cut();
+  halt_port(reason);
+}
+
+void Printer::halt_port(const std::string& reason) noexcept {
   ++halting_;
   if (fw::PrinterPort* port = live_) port->halt(reason);
   --halting_;

@@ -73,6 +73,8 @@ class Printer {
   std::vector<std::string> dialogue() const;
   /// Emergency stop: the power first, then the printer. Any thread, at once; waits on no lock.
   void halt_now(const std::string& reason) noexcept;
+  /// The same for whoever has seen to the power.
+  void halt_port(const std::string& reason) noexcept;
 
   /// What is wired to the computer for this printer; null: nothing. Before open().
   void attach(std::unique_ptr<PrinterPins> pins) { pins_ = std::move(pins); }

@@ -11,7 +11,7 @@ void Runner::attach_pins(Printer& printer) {
   if (s_.pins == nullptr)
     throw fw::PinError("printer " + printer.name() + " has pins, and there are none here");
   PinHooks hooks;
-  hooks.halt = [&printer] { printer.halt_now("emergency stop"); };
+  hooks.halt = [&printer] { printer.halt_port("the emergency stop was pulled"); };
   hooks.stopped = [this, &printer](const std::string& reason) { halted(printer.name(), reason); };
   hooks.bed_pressed = [this, &printer] {
     try {
