@@ -79,7 +79,7 @@ std::array<Evaluation, 2> DirectionEvaluator::evaluate(const Vec3& d) {
     down.criteria.void_mm += slabs_[i].weight_down * m.mean_distance_mm;
   }
 
-  const TrappedVolume v = raster_.measure(solid_, p);
+  const TrappedVolume v = raster_.measure(p);
   up.criteria.trapped_mm3 = v.up_mm3;
   down.criteria.trapped_mm3 = v.down_mm3;
   up.why_not = why_not_printable(solid_, hull_vertices_, p, End::bottom, options_.limits);

@@ -22,7 +22,7 @@ class DirectionEvaluator {
  public:
   DirectionEvaluator(const Solid& solid, const std::vector<Index>& hull_vertices,
                      const SearchOptions& options)
-      : solid_(solid), hull_vertices_(hull_vertices), options_(options) {}
+      : solid_(solid), hull_vertices_(hull_vertices), options_(options), raster_(solid) {}
 
   /// For d and for -d. `d` is the canonical one of the two, so that what a direction gets does not depend on
   /// who else is looked at.

@@ -27,34 +27,41 @@ struct TrappedVolume {
 /// Per vertical line, the topmost surface's height is the sum of the heights of all up-facing crossings less
 /// those hidden beneath it. The first sum is exact: one prism per up-facing facet. Only the second needs a
 /// raster of the up-facing surface, and it is zero in every column that material leaves once. A raster's
-/// error comes from the borders of hidden faces alone, not from silhouettes or slopes: at most half a cell
+/// error comes from the borders of hidden faces alone, not from silhouettes or slopes: at most half a row
 /// times the border's length times the height hidden, and far less for a border that crosses many rows, as
-/// the turn of the raster makes sure. The raster is refined
-/// until its standard error, reckoned from how much neighbouring rows differ, is below 0.4 of what V may be
-/// off by: 1 % of it or 0.5 % of the box around the part, as delivered or as seen along d. For -d the same
-/// holds with up and down exchanged; both come out of one pass.
+/// the turn of the raster makes sure. The raster is refined until its standard error, reckoned from how much
+/// neighbouring rows differ, is below 0.4 of what V may be off by: 1 % of it or 0.5 % of the box around the
+/// part, as delivered or as seen along d. Over 76 parts and 25 lines each, V is off by a ninth of that in the
+/// root mean square. For -d the same holds with up and down exchanged; both come out of one pass.
 class TrappedVolumeRaster {
  public:
-  TrappedVolume measure(const Solid& solid, const Projection& p);
+  /// Keeps a reference.
+  explicit TrappedVolumeRaster(const Solid& solid);
+
+  TrappedVolume measure(const Projection& p);
 
  private:
   /// What one of the two directions sees. Heights are above its plate, mm.
   struct Side {
     std::vector<float> surface;  ///< the topmost, by cell; 0: none
     double prisms = 0;           ///< all surfaces' heights, exactly, mm · cells
-    std::vector<double> hidden;  ///< hidden heights by row, mm · cells
+    std::vector<float> hidden;   ///< hidden heights, mm · cells; four sums to each row
   };
   struct Corner {
     double x, y, h;
   };
-  double error_of(const Side& side, double solid_mm3, double box_mm3, double& v_mm3) const;
-  void place(const Projection& p, int cells);
-  void scan(const Solid& solid, const Projection& p, int cells);
-  void scan_triangle(const double x[3], const double y[3], const double h[3], double det, Side& side,
-                     int cells);
+  double look(const Projection& p, int rows, TrappedVolume& out);
+  double error_of(const Side& side, double box_mm3, double& v_mm3);
+  void place(const Projection& p, int rows);
+  void scan(double tall, int rows);
+  void scan_triangle(const float x[3], const float y[3], const float h[3], int first, int last, Side& side);
 
+  const Solid& solid_;
+  int first_rows_ = 0;  ///< of the raster every line is first looked at with
+  int cells_ = 0;       ///< to a row
   Side up_, down_;
   std::vector<Corner> corners_;  ///< per vertex, in raster coordinates
+  std::vector<double> rows_;
   double cell_mm2_ = 0;
 };
 
