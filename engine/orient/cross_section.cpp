@@ -36,6 +36,7 @@ void CrossSections::prepare(const Solid& solid, const Projection& p, const std::
   for (std::size_t& n : count_) n = std::exchange(sum, sum + n);
   block_begin_ = block_end_ = 0;
   seen_.assign(solid.triangles.size(), 0);
+  if (!solid.contacts.empty()) contour_of_.resize(solid.triangles.size());
 }
 
 void CrossSections::fill_block(std::size_t i) {
@@ -67,6 +68,7 @@ void CrossSections::trace(std::size_t i) {
   height_ = (*slabs_)[i].middle_mm;
   const auto slice = static_cast<Index>(i);
   const Index mark = slice + 1;
+  mark_ = mark;
   const std::size_t base = count_[block_begin_];
   auto crossed = [&](Index t) {
     const auto& [a, b, c] = solid_->triangles[t];
@@ -81,7 +83,10 @@ void CrossSections::trace(std::size_t i) {
     contour.shell = solid_->shell_of[first];
     // In an open mesh the walk ends at the border; the line is then closed straight. (A start in the middle
     // of an open line leaves its first part to be found as a line of its own, closed likewise.)
-    for (Index t = first; t != kNone && seen_[t] != mark && crossed(t); t = leave(t, slice)) seen_[t] = mark;
+    for (Index t = first; t != kNone && seen_[t] != mark && crossed(t); t = leave(t, slice)) {
+      seen_[t] = mark;
+      if (!contour_of_.empty()) contour_of_[t] = static_cast<Index>(contours_.size());
+    }
     contour.end = edges_.size();
     contours_.push_back(contour);
   }

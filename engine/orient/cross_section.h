@@ -13,12 +13,18 @@ struct Point2 {
   double y = 0;
 };
 
+/// Contours that enclose less are lines or points, not regions: the plane grazes the part there. mm²
+inline constexpr double kLeastArea = 1e-9;
+
 /// One closed line of a slice; counter-clockwise around material, seen from above.
 struct Contour {
   std::size_t begin = 0;  ///< range in CrossSections::points()
   std::size_t end = 0;
   Index shell = 0;
   double area_mm2 = 0;  ///< signed
+  /// Which region it belongs to and whether it lies within that region's outline: only where SliceFill told.
+  Index region = kNone;
+  bool is_inner = false;
 };
 
 /// Slices of a projected part, by walking from facet to facet.
@@ -39,6 +45,11 @@ class CrossSections {
   /// Computes the points and areas of the contours.
   void place();
 
+  /// Whether the slice last traced cuts facet t.
+  bool cuts(Index t) const { return seen_[t] == mark_; }
+  /// The contour of the traced slice that facet t, which the slice cuts, lies on; kept only for solids whose
+  /// shells meet.
+  Index contour_of(Index t) const { return contour_of_[t]; }
   std::vector<Contour>& contours() { return contours_; }
   std::vector<Point2>& points() { return points_; }
 
@@ -61,6 +72,8 @@ class CrossSections {
   std::vector<Index> facets_;       ///< of the slices in the block, slice by slice
   std::size_t block_begin_ = 0, block_end_ = 0;
   std::vector<Index> seen_;  ///< per facet: 1 + last slice whose trace passed it
+  Index mark_ = 0;
+  std::vector<Index> contour_of_;
   std::vector<CrossedEdge> edges_;
   std::vector<Contour> contours_;
   std::vector<Point2> points_;

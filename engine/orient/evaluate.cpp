@@ -71,8 +71,9 @@ std::array<Evaluation, 2> DirectionEvaluator::evaluate(const Vec3& d) {
   for (std::size_t i = 0; i < slabs_.size(); ++i) {
     sections_.trace(i);
     sections_.place();
-    fill_.settle(i, sections_.contours(), sections_.points());
-    const SliceMeasure m = regions_.measure(sections_.points(), sections_.contours());
+    const bool told = fill_.settle(i, sections_);
+    const SliceMeasure m = told ? regions_.measure_told(sections_.points(), sections_.contours())
+                                : regions_.measure(sections_.points(), sections_.contours());
     up.criteria.contours += slabs_[i].weight_up * m.regions;
     up.criteria.void_mm += slabs_[i].weight_up * m.mean_distance_mm;
     down.criteria.contours += slabs_[i].weight_down * m.regions;

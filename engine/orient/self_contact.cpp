@@ -13,6 +13,9 @@ namespace {
 
 using Corners = std::array<Vec3, 3>;
 
+/// Facets on one edge whose planes differ by more do not lie on one another, whatever the touch.
+constexpr double kFoldedCosine = 0.999;
+
 struct Box {
   Vec3 low = Vec3::Constant(1e300);
   Vec3 high = Vec3::Constant(-1e300);
@@ -101,18 +104,21 @@ class BoxTree {
  public:
   static constexpr std::size_t kLeaf = 4;
 
-  explicit BoxTree(const Solid& s) : facets_(s.triangles.size()), boxes_(s.triangles.size()) {
+  BoxTree(const Solid& s, double touch) : facets_(s.triangles.size()), boxes_(s.triangles.size()) {
     std::iota(facets_.begin(), facets_.end(), Index{0});
     std::vector<Vec3> middles(s.triangles.size());
     for (std::size_t t = 0; t < boxes_.size(); ++t) {
       for (const Index v : s.triangles[t]) boxes_[t].add(s.vertices[v]);
       middles[t] = boxes_[t].low + boxes_[t].high;
+      boxes_[t].low.array() -= 0.5 * touch;
+      boxes_[t].high.array() += 0.5 * touch;
     }
     nodes_.reserve(facets_.size());
     build(0, facets_.size(), middles);
   }
 
-  /// Calls visit(facet) for every facet whose box meets that of `facet`.
+  /// Calls visit(facet) for every facet whose box, widened by half the touch on every side, meets that of
+  /// `facet`.
   template <class Visit>
   void each_near(Index facet, const Visit& visit) const {
     const Box& box = boxes_[facet];
@@ -174,7 +180,7 @@ class BoxTree {
 std::vector<std::pair<Index, Index>> find_self_contacts(const Solid& s, const run::Context& ctx) {
   if (s.triangles.empty()) return {};
   const double touch = touch_mm(s);
-  const BoxTree tree(s);
+  const BoxTree tree(s, touch);
   constexpr std::size_t kChunk = 1024;
   const std::size_t chunks = (s.triangles.size() + kChunk - 1) / kChunk;
   std::vector<std::vector<std::pair<Index, Index>>> found(chunks);
@@ -182,11 +188,13 @@ std::vector<std::pair<Index, Index>> find_self_contacts(const Solid& s, const ru
     const auto& [a, b, c] = s.triangles[t];
     return Corners{s.vertices[a], s.vertices[b], s.vertices[c]};
   };
-  auto share_edge = [&](Index t, Index u) {
+  // Neighbours meet in their edge, unless one is folded onto the other: bodies that lie on one another with
+  // the same corners.
+  auto may_meet = [&](Index t, Index u) {
     int shared = 0;
     for (const Index a : s.triangles[t])
       for (const Index b : s.triangles[u]) shared += a == b ? 1 : 0;
-    return shared >= 2;
+    return shared < 2 || std::abs(s.triangle_normals[t].dot(s.triangle_normals[u])) > kFoldedCosine;
   };
   run::parallel_for(ctx, chunks, [&](std::size_t chunk) {
     const std::size_t end = std::min((chunk + 1) * kChunk, s.triangles.size());
@@ -197,7 +205,7 @@ std::vector<std::pair<Index, Index>> find_self_contacts(const Solid& s, const ru
       const Corners a = corners(t);
       const std::size_t before = found[chunk].size();
       tree.each_near(t, [&](Index u) {
-        if (u <= t || s.triangle_normals[u].isZero(0) || share_edge(t, u)) return;
+        if (u <= t || s.triangle_normals[u].isZero(0) || !may_meet(t, u)) return;
         if (contact(a, n, corners(u), s.triangle_normals[u], touch)) found[chunk].emplace_back(t, u);
       });
       std::sort(found[chunk].begin() + static_cast<std::ptrdiff_t>(before), found[chunk].end());

@@ -34,8 +34,9 @@ std::vector<SlabMeasure> slabs_along(const Solid& solid, const Vec3& direction, 
     ctx.check();
     sections.trace(i);
     sections.place();
-    fill.settle(i, sections.contours(), sections.points());
-    const SliceMeasure m = regions.measure(sections.points(), sections.contours());
+    const bool told = fill.settle(i, sections);
+    const SliceMeasure m = told ? regions.measure_told(sections.points(), sections.contours())
+                                : regions.measure(sections.points(), sections.contours());
     const double half = 0.5 * weight * (p.h_max - p.h_min);
     const double middle = against ? p.h_max - slabs[i].middle_mm : slabs[i].middle_mm - p.h_min;
     out.push_back({middle - half, middle + half, m.regions, m.mean_distance_mm});

@@ -49,12 +49,16 @@ SliceRegions::Ring SliceRegions::make_ring(const Contour& c) {
   return r;
 }
 
-SliceMeasure SliceRegions::measure(const std::vector<Point2>& points, const std::vector<Contour>& contours) {
+void SliceRegions::start(const std::vector<Point2>& points) {
   points_ = &points;
   outer_.clear();
   holes_.clear();
   boxes_.clear();
   hulls_.clear();
+}
+
+SliceMeasure SliceRegions::measure(const std::vector<Point2>& points, const std::vector<Contour>& contours) {
+  start(points);
   std::size_t count = 0;
   for (const Contour& c : contours) count += c.area_mm2 > kLeastArea ? 1 : 0;
   if (count < 2) return {static_cast<double>(count), 0};
@@ -69,6 +73,51 @@ SliceMeasure SliceRegions::measure(const std::vector<Point2>& points, const std:
                                              : region_distance(outer_[j], outer_[i]);
   const auto n = static_cast<double>(count);
   return {n, sum / (n * (n - 1) / 2)};
+}
+
+SliceMeasure SliceRegions::measure_told(const std::vector<Point2>& points,
+                                        const std::vector<Contour>& contours) {
+  start(points);
+  std::vector<Index> regions;
+  for (const Contour& c : contours)
+    if (!c.is_inner) regions.push_back(c.region);
+  std::sort(regions.begin(), regions.end());
+  regions.erase(std::unique(regions.begin(), regions.end()), regions.end());
+  if (regions.size() < 2) return {static_cast<double>(regions.size()), 0};
+  told_.assign(regions.size(), {});
+  for (const bool inner : {false, true})
+    for (const Contour& c : contours) {
+      if (c.is_inner != inner) continue;
+      Told& t = told_[static_cast<std::size_t>(std::lower_bound(regions.begin(), regions.end(), c.region) -
+                                               regions.begin())];
+      t.rings.push_back(make_ring(c));
+      if (inner) continue;
+      const Box& b = t.rings.back().box;
+      t.box = ++t.outline == 1 ? b
+                               : Box{std::min(t.box.x0, b.x0), std::min(t.box.y0, b.y0),
+                                     std::max(t.box.x1, b.x1), std::max(t.box.y1, b.y1)};
+    }
+  double sum = 0;
+  for (std::size_t i = 0; i < told_.size(); ++i)
+    for (std::size_t j = i + 1; j < told_.size(); ++j) sum += told_distance(told_[i], told_[j]);
+  const auto n = static_cast<double>(told_.size());
+  return {n, sum / (n * (n - 1) / 2)};
+}
+
+/// Where one region may lie in a hole of the other, that one's inner rings count too; elsewhere they are
+/// further away than the outline.
+double SliceRegions::told_distance(const Told& a, const Told& b) {
+  auto around = [](const Box& p, const Box& q) {
+    return p.x0 <= q.x0 && p.y0 <= q.y0 && p.x1 >= q.x1 && p.y1 >= q.y1;
+  };
+  const std::size_t rings_a = around(a.box, b.box) ? a.rings.size() : a.outline;
+  const std::size_t rings_b = around(b.box, a.box) ? b.rings.size() : b.outline;
+  double best = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < rings_a; ++i)
+    for (std::size_t j = 0; j < rings_b; ++j)
+      if (gap2(a.rings[i].box, b.rings[j].box) < best * best)
+        best = std::min(best, distance(a.rings[i], b.rings[j]));
+  return best;
 }
 
 bool SliceRegions::inside(const Ring& ring, Point2 p) const {

@@ -12,14 +12,13 @@ struct SliceMeasure {
   double mean_distance_mm = 0;  ///< over all pairs; 0 for fewer than two regions
 };
 
-/// Contours that enclose less are lines or points, not regions: the plane grazes the part there. mm²
-inline constexpr double kLeastArea = 1e-9;
-
 /// Counts the regions of a slice and measures the distances between them. Keeps its memory.
 class SliceRegions {
  public:
   /// Closed rings that do not cross one another: outer ones counter-clockwise, holes clockwise.
   SliceMeasure measure(const std::vector<Point2>& points, const std::vector<Contour>& contours);
+  /// Rings whose regions are told (Contour::region); those of one region may cross.
+  SliceMeasure measure_told(const std::vector<Point2>& points, const std::vector<Contour>& contours);
 
  private:
   struct Box {
@@ -40,9 +39,18 @@ class SliceRegions {
                         double best2) const;
   bool inside(const Ring& ring, Point2 p) const;
   double region_distance(const Ring& a, const Ring& b);
+  void start(const std::vector<Point2>& points);
 
   const std::vector<Point2>* points_ = nullptr;
   std::vector<Ring> outer_, holes_;
+  /// Of regions that are told: the rings of their outlines first, then those within.
+  struct Told {
+    std::vector<Ring> rings;
+    std::size_t outline = 0;
+    Box box;
+  };
+  double told_distance(const Told& a, const Told& b);
+  std::vector<Told> told_;
   std::vector<Box> boxes_;
   HullDistance hulls_;
   struct NodePair {
