@@ -27,15 +27,6 @@ Point towards(const Point& from, const Point& to, double by) {
           from.y + std::llround(t * static_cast<double>(to.y - from.y))};
 }
 
-Point nearest_on(const Point& p, const Point& a, const Point& b) {
-  const auto dx = static_cast<double>(b.x - a.x), dy = static_cast<double>(b.y - a.y);
-  const double len2 = dx * dx + dy * dy;
-  if (len2 <= 0) return a;
-  const double along = (static_cast<double>(p.x - a.x) * dx + static_cast<double>(p.y - a.y) * dy) / len2;
-  const double t = std::clamp(along, 0.0, 1.0);
-  return {a.x + std::llround(t * dx), a.y + std::llround(t * dy)};
-}
-
 }  // namespace
 
 std::vector<std::vector<std::uint32_t>> Branches::children() const {
@@ -94,7 +85,7 @@ void Branches::shrink(double by) {
       std::size_t alive = 0;
       for (const std::uint32_t k : kids[n])
         if (!gone[k]) only = k, ++alive;
-      if (alive == 1) at = towards(at, nearest_on(at, nodes_[parent].at, nodes_[only].at), by);
+      if (alive == 1) at = towards(at, nearest_on_line(at, nodes_[parent].at, nodes_[only].at), by);
     }
     place[n] = static_cast<std::uint32_t>(out.size());
     out.push_back({at, parent == kNone ? kNone : place[parent]});

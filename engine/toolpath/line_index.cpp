@@ -13,7 +13,9 @@ using geom::Point;
 /// Cells along a side of the box at most.
 constexpr Coord kMaxCells = 400;
 
-Point nearest_on(const Point& p, const Point& a, const Point& b) {
+}  // namespace
+
+Point nearest_on_line(const Point& p, const Point& a, const Point& b) {
   const auto dx = static_cast<double>(b.x - a.x), dy = static_cast<double>(b.y - a.y);
   const double len2 = dx * dx + dy * dy;
   if (len2 <= 0) return a;
@@ -21,8 +23,6 @@ Point nearest_on(const Point& p, const Point& a, const Point& b) {
   const double t = std::clamp(along, 0.0, 1.0);
   return {a.x + std::llround(t * dx), a.y + std::llround(t * dy)};
 }
-
-}  // namespace
 
 LineIndex::LineIndex(const geom::Box& box, Coord cell_nm) : box_(box) {
   const Coord size = std::max(box.max.x - box.min.x, box.max.y - box.min.y);
@@ -61,7 +61,7 @@ LineIndex::Hit LineIndex::nearest(const Point& p, double limit) const {
   auto look = [&](Coord x, Coord y) {
     if (x < 0 || y < 0 || x >= columns_ || y >= rows_) return;
     for (const std::uint32_t id : cells_[static_cast<std::size_t>(y * columns_ + x)]) {
-      const Point at = nearest_on(p, lines_[id].a, lines_[id].b);
+      const Point at = nearest_on_line(p, lines_[id].a, lines_[id].b);
       const double d = geom::distance(p, at);
       if (d < best.distance || (d == best.distance && id < best.line)) best = {id, at, d};
     }

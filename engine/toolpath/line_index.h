@@ -7,6 +7,9 @@
 
 namespace voidpath::toolpath {
 
+/// The point of the straight line from a to b that is nearest to p.
+geom::Point nearest_on_line(const geom::Point& p, const geom::Point& a, const geom::Point& b);
+
 /// Straight lines added one after the other, and the nearest of them to a point.
 class LineIndex {
  public:

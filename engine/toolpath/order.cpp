@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace voidpath::toolpath {
 
@@ -17,6 +18,10 @@ constexpr int kPasses = 4;
 constexpr std::size_t kMaxMoved = 3;
 /// Gains below this are not worth a change, nm.
 constexpr double kMinGain = 1000;
+/// Up to this many stops are ordered by insertion as well.
+constexpr std::size_t kMaxInserted = 300;
+/// Order and entries are improved in turns, this often.
+constexpr int kRounds = 2;
 
 const Point& entry(const std::vector<Stop>& stops, const Visit& v) {
   return v.reversed ? stops[v.index].out : stops[v.index].in;
@@ -48,7 +53,7 @@ std::vector<Visit> nearest_neighbour(const std::vector<Stop>& stops, Point at) {
       const double r = squared(at, s.out);
       if (r < best) best = r, pick = k, reversed = true;
     }
-    out.push_back({left[pick], reversed});
+    out.push_back({left[pick], reversed, {}});
     at = leave(stops, out.back());
     left.erase(left.begin() + static_cast<std::ptrdiff_t>(pick));
   }
@@ -131,16 +136,135 @@ bool relocate(const std::vector<Stop>& stops, const Point& from, std::vector<Vis
   return better;
 }
 
-}  // namespace
+/// Nearest insertion: the stop nearest to those placed goes where it lengthens the tour least.
+std::vector<Visit> nearest_insertion(const std::vector<Stop>& stops, const Point& from) {
+  std::vector<Visit> out;
+  std::vector<double> near(stops.size());
+  auto apart = [&](const Point& p, const Stop& s) {
+    const double d = geom::distance(p, s.in);
+    return s.reversible ? std::min(d, geom::distance(p, s.out)) : d;
+  };
+  for (std::size_t i = 0; i < stops.size(); ++i) near[i] = apart(from, stops[i]);
+  std::vector<char> placed(stops.size(), 0);
+  while (out.size() < stops.size()) {
+    std::size_t pick = stops.size();
+    for (std::size_t i = 0; i < stops.size(); ++i)
+      if (!placed[i] && (pick == stops.size() || near[i] < near[pick])) pick = i;
+    double best = std::numeric_limits<double>::max();
+    std::size_t place = 0;
+    Visit visit{pick, false, {}};
+    for (const bool reversed : {false, true}) {
+      if (reversed && !stops[pick].reversible) continue;
+      const Visit trial{pick, reversed, {}};
+      for (std::size_t k = 0; k <= out.size(); ++k) {
+        const Point& before = k == 0 ? from : leave(stops, out[k - 1]);
+        double cost = geom::distance(before, entry(stops, trial));
+        if (k < out.size())
+          cost += geom::distance(leave(stops, trial), entry(stops, out[k])) -
+                  geom::distance(before, entry(stops, out[k]));
+        if (cost < best) best = cost, place = k, visit = trial;
+      }
+    }
+    out.insert(out.begin() + static_cast<std::ptrdiff_t>(place), visit);
+    placed[pick] = 1;
+    for (std::size_t i = 0; i < stops.size(); ++i)
+      if (!placed[i])
+        near[i] = std::min({near[i], apart(stops[pick].in, stops[i]), apart(stops[pick].out, stops[i])});
+  }
+  return out;
+}
 
-std::vector<Visit> order_stops(const std::vector<Stop>& stops, const Point& from) {
-  std::vector<Visit> seq = nearest_neighbour(stops, from);
+void improve_order(const std::vector<Stop>& stops, const Point& from, std::vector<Visit>& seq) {
   for (int pass = 0; pass < kPasses; ++pass) {
     const bool turned = improve(stops, from, seq);
     const bool moved = relocate(stops, from, seq);
     if (!turned && !moved) break;
   }
-  return seq;
+}
+
+double tour_length(const std::vector<Stop>& stops, const Point& from, const std::vector<Visit>& seq) {
+  double sum = 0;
+  const Point* at = &from;
+  for (const Visit& v : seq) {
+    sum += geom::distance(*at, entry(stops, v));
+    at = &leave(stops, v);
+  }
+  return sum;
+}
+
+/// The best entry and direction of every stop in this order; loops get theirs as `in` and `out`.
+void choose_entries(std::vector<Stop>& stops, const Point& from, std::vector<Visit>& seq) {
+  struct Option {
+    Point in, out;
+    bool reversed;
+    double cost;
+    std::size_t before;
+  };
+  std::vector<std::vector<Option>> options(seq.size());
+  for (std::size_t t = 0; t < seq.size(); ++t) {
+    const Stop& s = stops[seq[t].index];
+    if (s.entries.empty()) {
+      options[t].push_back({s.in, s.out, false, 0, 0});
+      if (s.reversible) options[t].push_back({s.out, s.in, true, 0, 0});
+    } else {
+      for (const Point& p : s.entries) options[t].push_back({p, p, false, 0, 0});
+    }
+    for (Option& o : options[t]) {
+      if (t == 0) {
+        o.cost = geom::distance(from, o.in);
+        continue;
+      }
+      o.cost = std::numeric_limits<double>::max();
+      for (std::size_t k = 0; k < options[t - 1].size(); ++k) {
+        const double cost = options[t - 1][k].cost + geom::distance(options[t - 1][k].out, o.in);
+        if (cost < o.cost) o.cost = cost, o.before = k;
+      }
+    }
+  }
+  std::size_t best = 0;
+  for (std::size_t t = seq.size(); t-- > 0;) {
+    if (t + 1 == seq.size())
+      for (std::size_t k = 1; k < options[t].size(); ++k)
+        if (options[t][k].cost < options[t][best].cost) best = k;
+    const Option& o = options[t][best];
+    Stop& s = stops[seq[t].index];
+    seq[t].reversed = o.reversed;
+    seq[t].in = o.in;
+    if (!s.entries.empty()) s.in = s.out = o.in;
+    best = o.before;
+  }
+}
+
+/// The tour that grows out of a first order, with its length.
+std::pair<double, std::vector<Visit>> grown_tour(std::vector<Stop> stops, const Point& from,
+                                                 std::vector<Visit> seq) {
+  const bool loops =
+      std::any_of(stops.begin(), stops.end(), [](const Stop& s) { return !s.entries.empty(); });
+  for (int round = 0; round < (loops ? kRounds : 1); ++round) {
+    improve_order(stops, from, seq);
+    choose_entries(stops, from, seq);
+  }
+  return {tour_length(stops, from, seq), std::move(seq)};
+}
+
+}  // namespace
+
+Stop loop_stop(const geom::Ring& loop) {
+  Stop out;
+  const std::size_t n = std::min(loop.size(), kLoopEntries);
+  for (std::size_t k = 0; k < n; ++k) out.entries.push_back(loop[k * loop.size() / n]);
+  if (n > 0) out.in = out.out = loop.front();
+  return out;
+}
+
+std::vector<Visit> order_stops(const std::vector<Stop>& stops, const Point& from) {
+  if (stops.empty()) return {};
+  auto best = grown_tour(stops, from, nearest_neighbour(stops, from));
+  if (stops.size() > 2 && stops.size() <= kMaxInserted) {
+    auto other = grown_tour(stops, from, nearest_insertion(stops, from));
+    if (other.first < best.first - kMinGain) best = std::move(other);
+  }
+  return std::move(best.second);
 }
 
 }  // namespace voidpath::toolpath

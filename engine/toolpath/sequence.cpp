@@ -3,7 +3,6 @@
 #include "engine/toolpath/order.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace voidpath::toolpath {
 
@@ -13,22 +12,16 @@ using geom::Point;
 
 const Point& end_of(const Path& path) { return path.closed ? path.points.front() : path.points.back(); }
 
-Point middle(const geom::Box& box) { return {(box.min.x + box.max.x) / 2, (box.min.y + box.max.y) / 2}; }
-
 Stop stop_of(const Path& path) {
-  if (path.closed) return {path.points.front(), path.points.front(), false};
+  if (path.closed) return loop_stop(path.points);
   return {path.points.front(), path.points.back(), true};
 }
 
-/// Where an island is, for the order of islands.
+/// An island is entered somewhere along its first wall, and left not far from there.
 Stop stop_of(const IslandDraft& island) {
-  Point p{};
-  if (!island.walls.empty()) {
-    if (const auto box = geom::bounds(island.walls.front().front().ring)) p = middle(*box);
-  } else if (!island.fills.empty()) {
-    p = island.fills.front().points.front();
-  }
-  return {p, p, true};
+  if (!island.walls.empty()) return loop_stop(island.walls.front().front().ring);
+  if (!island.fills.empty()) return stop_of(island.fills.front());
+  return {};
 }
 
 }  // namespace
@@ -44,20 +37,17 @@ void Sequencer::print(Path&& path) {
   out_.push_back(std::move(path));
 }
 
-void Sequencer::print_fill(Path&& path, bool reversed) {
-  if (reversed) std::reverse(path.points.begin(), path.points.end());
-  if (path.closed) path.points = start_at(path.points, nearest_vertex(path.points, at_));
+void Sequencer::print_fill(Path&& path, const Visit& visit) {
+  if (visit.reversed) std::reverse(path.points.begin(), path.points.end());
+  if (path.closed) path.points = start_at(path.points, nearest_vertex(path.points, visit.in));
   print(std::move(path));
 }
 
 void Sequencer::print_any(std::vector<Path>&& paths) {
   std::vector<Stop> stops;
   stops.reserve(paths.size());
-  for (Path& p : paths) {
-    if (p.closed) p.points = start_at(p.points, nearest_vertex(p.points, at_));
-    stops.push_back(stop_of(p));
-  }
-  for (const Visit& v : order_stops(stops, at_)) print_fill(std::move(paths[v.index]), v.reversed);
+  for (const Path& p : paths) stops.push_back(stop_of(p));
+  for (const Visit& v : order_stops(stops, at_)) print_fill(std::move(paths[v.index]), v);
 }
 
 void Sequencer::print_wall(Wall&& wall, const BeadSize& bead) {
@@ -83,19 +73,10 @@ void Sequencer::print_wall(Wall&& wall, const BeadSize& bead) {
 }
 
 void Sequencer::print_island(IslandDraft&& island, const BeadSize& bead) {
-  std::vector<Wall>& walls = island.walls;
-  while (!walls.empty()) {
-    std::size_t best = 0;
-    double best_d = std::numeric_limits<double>::max();
-    for (std::size_t i = 0; i < walls.size(); ++i) {
-      const geom::Ring& ring = walls[i].front().ring;
-      const double d = geom::distance(ring[nearest_vertex(ring, at_)], at_);
-      if (d < best_d) best_d = d, best = i;
-    }
-    Wall wall = std::move(walls[best]);
-    walls.erase(walls.begin() + static_cast<std::ptrdiff_t>(best));
-    print_wall(std::move(wall), bead);
-  }
+  std::vector<Stop> stops;
+  stops.reserve(island.walls.size());
+  for (const Wall& wall : island.walls) stops.push_back(loop_stop(wall.front().ring));
+  for (const Visit& v : order_stops(stops, at_)) print_wall(std::move(island.walls[v.index]), bead);
   print_any(std::move(island.fills));
 }
 
@@ -114,7 +95,7 @@ std::vector<Path> Sequencer::order(LayerDraft&& draft, const BeadSize& bead) {
     if (v.index < islands)
       print_island(std::move(draft.islands[v.index]), bead);
     else
-      print_fill(std::move(draft.support[v.index - islands]), v.reversed);
+      print_fill(std::move(draft.support[v.index - islands]), v);
   }
   return std::move(out_);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/toolpath/draft.h"
+#include "engine/toolpath/order.h"
 #include "engine/toolpath/plan.h"
 #include "engine/toolpath/seam.h"
 #include "engine/toolpath/settings.h"
@@ -19,7 +20,7 @@ class Sequencer {
 
  private:
   void print(Path&& path);
-  void print_fill(Path&& path, bool reversed);
+  void print_fill(Path&& path, const Visit& visit);
   void print_any(std::vector<Path>&& paths);
   void print_island(IslandDraft&& island, const BeadSize& bead);
   void print_wall(Wall&& wall, const BeadSize& bead);

@@ -60,6 +60,42 @@ TEST_CASE("a value set by hand wins, and changes the hash") {
   CHECK(load_profile("generic-marlin").sha256 == plain.sha256);
 }
 
+TEST_CASE("how areas are filled and walls slowed is read from a profile") {
+  const auto p = load_profile("generic-marlin", {{"slice.top_thickness_mm", "1.1"},
+                                                 {"slice.bottom_thickness_mm", "0.9"},
+                                                 {"slice.infill_pattern", "lightning"},
+                                                 {"slice.infill_every_layers", "2"},
+                                                 {"slice.infill_direction", "layer"},
+                                                 {"slice.solid_pattern", "concentric"},
+                                                 {"slice.top_pattern", "fermat"},
+                                                 {"slice.bridge_flow", "0.9"},
+                                                 {"slice.small_perimeter_length_mm", "25"},
+                                                 {"speed.internal_bridge_mm_s", "41"},
+                                                 {"speed.small_perimeter_mm_s", "12"},
+                                                 {"speed.overhang_25_mm_s", "22"},
+                                                 {"speed.overhang_50_mm_s", "0"},
+                                                 {"speed.overhang_75_mm_s", "9"}});
+  const auto& s = p.print.slice;
+  CHECK(s.top_thickness_mm == 1.1);
+  CHECK(s.bottom_thickness_mm == 0.9);
+  CHECK(s.infill_pattern == toolpath::InfillPattern::lightning);
+  CHECK(s.infill_every_layers == 2);
+  CHECK(s.infill_direction == toolpath::InfillDirection::layer);
+  CHECK(s.solid_pattern == toolpath::SolidPattern::concentric);
+  CHECK(s.top_pattern == toolpath::SolidPattern::fermat);
+  CHECK(s.bridge_flow == 0.9);
+  CHECK(s.small_perimeter_length_mm == 25);
+  CHECK(p.print.speed.internal_bridge == 41);
+  CHECK(p.print.speed.small_perimeter == 12);
+  CHECK(p.print.speed.overhang_25 == 22);
+  CHECK(p.print.speed.overhang_50 == 0);
+  CHECK(p.print.speed.overhang_75 == 9);
+  CHECK_THAT(error_of([] {
+               load_profile("generic-marlin", {{"slice.top_pattern", "ferma"}});
+             }),
+             Catch::Contains("did you mean 'fermat'"));
+}
+
 TEST_CASE("what is shown reads back as the same profile") {
   const Profile p = load_profile("prusa-i3-mk3,abs,0.10mm");
   const Scratch scratch;

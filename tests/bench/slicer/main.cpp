@@ -1,6 +1,7 @@
 #include "config/config.h"
 #include "engine/mesh/import.h"
 #include "engine/mesh/write.h"
+#include "engine/pipeline/slice_part.h"
 #include "engine/slice/layer_heights.h"
 #include "engine/slice/slice_mesh.h"
 #include "engine/toolpath/build.h"
@@ -62,12 +63,14 @@ class Bench {
     const fs::path base = options_.keep / row.name;
     const fs::path stl = base.string() + ".stl";
     slice::LayerStack stack;
+    double brim_mm = profile_.print.slice.brim_width_mm;
     try {
       mesh::TriangleMesh mesh = mesh::turned(mesh::import_model(model).mesh, geom::Vec3(0, 0, 1));
       const geom::Vec3 size = mesh::bounds(mesh).size();
       const auto& m = profile_.print.machine;
       if (size.x() > m.bed_mm[0] || size.y() > m.bed_mm[1] || size.z() > m.height_mm) return std::nullopt;
       mesh::write_model(mesh, stl);
+      brim_mm = held_by(mesh);
       const auto& s = profile_.print.slice;
       stack =
           slice::slice_mesh(mesh, slice::equal_layers(size.z(), s.first_layer_height_mm, s.layer_height_mm));
@@ -78,14 +81,32 @@ class Bench {
     row.ours = slice({(bin_ / "voidpath").string(), "slice", stl.string(), "-o",
                       base.string() + ".ours.gcode", "--as-delivered", "--profile", options_.profile},
                      base.string() + ".ours", stack, false);
-    row.theirs =
-        slice({"prusa-slicer", "--export-gcode", "--load", (options_.keep / "rival.ini").string(),
-               "--dont-arrange", "--center", centre(), "-o", base.string() + ".theirs.gcode", stl.string()},
-              base.string() + ".theirs", stack, options_.reuse);
+    const std::string theirs = base.string() + (brim_mm > 0 ? ".theirs.brim" : ".theirs");
+    std::vector<std::string> command{
+        "prusa-slicer",   "--export-gcode", "--load", (options_.keep / "rival.ini").string(),
+        "--dont-arrange", "--center",       centre(), "-o",
+        theirs + ".gcode"};
+    if (brim_mm > 0)
+      for (const std::string& word : {std::string("--brim-type"), std::string("outer_only"),
+                                      std::string("--brim-width"), std::to_string(brim_mm)})
+        command.push_back(word);
+    command.push_back(stl.string());
+    row.theirs = slice(command, theirs, stack, options_.reuse);
     return row;
   }
 
  private:
+  /// Width of the brim that we print: a part that does not stand by itself is held by one, and the rival's
+  /// is to be held as well.
+  double held_by(const mesh::TriangleMesh& mesh) const {
+    pipeline::PrepareOptions options;
+    options.print = profile_.print;
+    options.limits = profile_.limits;
+    options.orient.method = orient::Method::as_delivered;
+    const orient::Choice choice = pipeline::choose(mesh, options, {});
+    return pipeline::held(options, choice.candidates[choice.chosen]).print.slice.brim_width_mm;
+  }
+
   std::string centre() const {
     const auto& m = profile_.print.machine;
     if (m.origin_at_centre) return "0,0";

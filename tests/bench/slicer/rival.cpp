@@ -101,6 +101,8 @@ const char* pattern_name(toolpath::InfillPattern pattern) {
       return "concentric";
     case toolpath::InfillPattern::gyroid:
       return "gyroid";
+    case toolpath::InfillPattern::lightning:
+      return "lightning";
     case toolpath::InfillPattern::rectilinear:
       break;
   }
@@ -125,12 +127,17 @@ void put_shells(Ini& ini, const toolpath::SliceSettings& s) {
   ini.put("overhangs", true);
   ini.put("top_solid_layers", s.top_layers);
   ini.put("bottom_solid_layers", s.bottom_layers);
-  ini.put("top_solid_min_thickness", 0);
-  ini.put("bottom_solid_min_thickness", 0);
+  ini.put("top_solid_min_thickness", s.top_thickness_mm);
+  ini.put("bottom_solid_min_thickness", s.bottom_thickness_mm);
+  ini.put("bridge_flow_ratio", s.bridge_flow);
+  ini.put("infill_every_layers", s.infill_every_layers);
   ini.put("fill_density", Ini::number(100 * s.infill_density) + "%");
   ini.put("fill_pattern", pattern_name(s.infill_pattern));
-  ini.put("top_fill_pattern", "rectilinear");
-  ini.put("bottom_fill_pattern", "rectilinear");
+  const auto solid = [](toolpath::SolidPattern pattern) {
+    return pattern == toolpath::SolidPattern::rectilinear ? "rectilinear" : "concentric";
+  };
+  ini.put("top_fill_pattern", solid(s.top_pattern));
+  ini.put("bottom_fill_pattern", solid(s.solid_pattern));
   ini.put("fill_angle", s.infill_angle_deg);
   ini.put("infill_overlap", Ini::number(100 * s.infill_overlap) + "%");
   ini.put("solid_infill_below_area", s.min_infill_area_mm2);
@@ -170,7 +177,7 @@ void put_speeds(Ini& ini, const toolpath::PrintSettings& s) {
   const auto& v = s.speed;
   ini.put("perimeter_speed", v.perimeter);
   ini.put("external_perimeter_speed", v.external_perimeter);
-  ini.put("small_perimeter_speed", v.external_perimeter);
+  ini.put("small_perimeter_speed", v.small_perimeter);
   ini.put("infill_speed", v.infill);
   ini.put("solid_infill_speed", v.solid_infill);
   ini.put("top_solid_infill_speed", v.top_solid_infill);

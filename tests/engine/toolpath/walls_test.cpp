@@ -3,6 +3,7 @@
 #include "engine/toolpath/seam.h"
 #include "tests/engine/toolpath/shapes.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <catch2/catch.hpp>
@@ -103,7 +104,7 @@ TEST_CASE("an order visits every stop once and is no longer than the order given
   };
   for (int i = 0; i < 120; ++i) {
     const geom::Point a{next(), next()};
-    stops.push_back({a, {a.x + 1000000, a.y}, i % 3 != 0});
+    stops.push_back({a, {a.x + 1000000, a.y}, i % 3 != 0, {}});
   }
   const auto seq = toolpath::order_stops(stops, {});
   std::vector<int> seen(stops.size(), 0);
@@ -120,4 +121,60 @@ TEST_CASE("an order visits every stop once and is no longer than the order given
   }
   for (const int n : seen) CHECK(n == 1);
   CHECK(ordered < 0.3 * given);
+}
+
+TEST_CASE("loops are entered where the way is shortest") {
+  // Squares in a row, 10 mm apart, their first corners far from the way along them.
+  std::vector<toolpath::Stop> stops;
+  for (int i = 0; i < 8; ++i) {
+    const double x = 15.0 * i;
+    geom::Ring square = rectangle(x, 0, x + 5, 5).outer;
+    std::rotate(square.begin(), square.begin() + 2, square.end());
+    stops.push_back(toolpath::loop_stop(square));
+  }
+  std::swap(stops[1], stops[6]);
+  std::swap(stops[2], stops[4]);
+  geom::Point at{from_mm(-10), 0};
+  double sum = 0;
+  for (const auto& v : toolpath::order_stops(stops, at)) {
+    sum += geom::distance(at, v.in) / geom::kNmPerMm;
+    at = v.in;
+  }
+  // 10 mm to the first; each loop is left where it was entered, so a square's width counts as well.
+  CHECK(sum == Approx(10 + 7 * 15.0));
+}
+
+TEST_CASE("the order of a few stops is the best there is") {
+  std::uint64_t seed = 7;
+  auto next = [&] {
+    return static_cast<geom::Coord>((seed = seed * 6364136223846793005ULL + 1442695040888963407ULL) >> 40);
+  };
+  int best_found = 0;
+  for (int round = 0; round < 40; ++round) {
+    std::vector<toolpath::Stop> stops;
+    for (int i = 0; i < 6; ++i) stops.push_back({{next(), next()}, {next(), next()}, true, {}});
+    auto length = [&](const std::vector<toolpath::Visit>& seq) {
+      double sum = 0;
+      geom::Point at{};
+      for (const auto& v : seq) {
+        const auto& s = stops[v.index];
+        sum += geom::distance(at, v.reversed ? s.out : s.in);
+        at = v.reversed ? s.in : s.out;
+      }
+      return sum;
+    };
+    const double found = length(toolpath::order_stops(stops, {}));
+    double best = 1e300;
+    std::vector<std::size_t> order{0, 1, 2, 3, 4, 5};
+    do {
+      for (unsigned turns = 0; turns < 64; ++turns) {
+        std::vector<toolpath::Visit> seq;
+        for (std::size_t k = 0; k < 6; ++k) seq.push_back({order[k], (turns >> k & 1U) != 0, {}});
+        best = std::min(best, length(seq));
+      }
+    } while (std::next_permutation(order.begin(), order.end()));
+    CHECK(found < 1.25 * best);
+    best_found += found < 1.0001 * best ? 1 : 0;
+  }
+  CHECK(best_found >= 28);
 }
