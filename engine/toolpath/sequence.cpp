@@ -10,6 +10,9 @@ namespace {
 
 using geom::Point;
 
+/// Layers of more islands than this are ordered in one way only.
+constexpr std::size_t kMaxTried = 60;
+
 const Point& end_of(const Path& path) { return path.closed ? path.points.front() : path.points.back(); }
 
 Stop stop_of(const Path& path) {
@@ -17,11 +20,25 @@ Stop stop_of(const Path& path) {
   return {path.points.front(), path.points.back(), true};
 }
 
-/// An island is entered somewhere along its first wall, and left not far from there.
-Stop stop_of(const IslandDraft& island) {
-  if (!island.walls.empty()) return loop_stop(island.walls.front().front().ring);
-  if (!island.fills.empty()) return stop_of(island.fills.front());
-  return {};
+/// An island is left somewhere else than it is entered, and nobody knows where before it is printed. It
+/// counts as a loop along its first wall, or as its middle.
+Stop stop_of(const IslandDraft& island, bool as_loop) {
+  if (island.walls.empty()) return island.fills.empty() ? Stop{} : stop_of(island.fills.front());
+  const geom::Ring& ring = island.walls.front().front().ring;
+  if (as_loop) return loop_stop(ring);
+  const auto box = geom::bounds(ring);
+  if (!box) return {};
+  const Point p{(box->min.x + box->max.x) / 2, (box->min.y + box->max.y) / 2};
+  return {p, p, true, {}};
+}
+
+double travel_of(const std::vector<Path>& paths, Point at) {
+  double sum = 0;
+  for (const Path& p : paths) {
+    sum += geom::distance(at, p.points.front());
+    at = end_of(p);
+  }
+  return sum;
 }
 
 }  // namespace
@@ -80,7 +97,7 @@ void Sequencer::print_island(IslandDraft&& island, const BeadSize& bead) {
   print_any(std::move(island.fills));
 }
 
-std::vector<Path> Sequencer::order(LayerDraft&& draft, const BeadSize& bead) {
+std::vector<Path> Sequencer::order_islands(LayerDraft&& draft, const BeadSize& bead, bool as_loops) {
   out_.clear();
   seams_.begin_layer();
   for (Path& p : draft.around) {
@@ -88,7 +105,7 @@ std::vector<Path> Sequencer::order(LayerDraft&& draft, const BeadSize& bead) {
     print(std::move(p));
   }
   std::vector<Stop> stops;
-  for (const auto& island : draft.islands) stops.push_back(stop_of(island));
+  for (const auto& island : draft.islands) stops.push_back(stop_of(island, as_loops));
   for (Path& p : draft.support) stops.push_back(stop_of(p));
   const std::size_t islands = draft.islands.size();
   for (const Visit& v : order_stops(stops, at_)) {
@@ -98,6 +115,19 @@ std::vector<Path> Sequencer::order(LayerDraft&& draft, const BeadSize& bead) {
       print_fill(std::move(draft.support[v.index - islands]), v);
   }
   return std::move(out_);
+}
+
+std::vector<Path> Sequencer::order(LayerDraft&& draft, const BeadSize& bead) {
+  if (draft.islands.size() < 2 || draft.islands.size() > kMaxTried)
+    return order_islands(std::move(draft), bead, false);
+  const Point from = at_;
+  Sequencer other(*this);
+  std::vector<Path> by_loops = other.order_islands(LayerDraft(draft), bead, true);
+  std::vector<Path> by_middles = order_islands(std::move(draft), bead, false);
+  if (travel_of(by_loops, from) >= travel_of(by_middles, from)) return by_middles;
+  seams_ = std::move(other.seams_);
+  at_ = other.at_;
+  return by_loops;
 }
 
 }  // namespace voidpath::toolpath

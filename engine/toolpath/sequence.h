@@ -11,7 +11,8 @@
 namespace voidpath::toolpath {
 
 /// Puts the drafts of a print in printing order, layer after layer: each begins where the one below ended,
-/// and seams look at those below.
+/// and seams look at those below. Islands are ordered in two ways, and the one that really travels less is
+/// kept.
 class Sequencer {
  public:
   explicit Sequencer(const PrintSettings& settings);
@@ -19,6 +20,8 @@ class Sequencer {
   std::vector<Path> order(LayerDraft&& draft, const BeadSize& bead);
 
  private:
+  /// Islands count as loops or as their middles when their order is chosen.
+  std::vector<Path> order_islands(LayerDraft&& draft, const BeadSize& bead, bool as_loops);
   void print(Path&& path);
   void print_fill(Path&& path, const Visit& visit);
   void print_any(std::vector<Path>&& paths);
