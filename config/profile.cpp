@@ -1,10 +1,11 @@
-#include <algorithm>
-#include <cstdlib>
-
 #include "config/config.h"
 #include "config/digest.h"
 #include "config/fields.h"
 #include "config/profile_fields.h"
+#include "engine/render/thumbnail.h"
+
+#include <algorithm>
+#include <cstdlib>
 
 namespace voidpath::config {
 
@@ -81,6 +82,13 @@ void check(const Profile& p) {
   const auto fail = [&](const std::string& what) {
     throw ConfigError("profile " + p.printer + "," + p.material + "," + p.quality + ": " + what);
   };
+  for (const std::string& size : p.print.machine.thumbnails) {
+    try {
+      render::picture_size(size);
+    } catch (const std::invalid_argument& e) {
+      fail(std::string("machine.thumbnails: ") + e.what());
+    }
+  }
   if (s.layer_height_mm > nozzle) fail("slice.layer_height_mm is larger than machine.nozzle_mm");
   if (s.first_layer_height_mm > nozzle) fail("slice.first_layer_height_mm is larger than machine.nozzle_mm");
   if (s.line_width_mm < s.layer_height_mm) fail("slice.line_width_mm is smaller than slice.layer_height_mm");
@@ -97,7 +105,8 @@ void derive(Profile& p) {
 
 std::vector<fs::path> search_path() {
   std::vector<fs::path> path;
-  if (const char* dir = std::getenv("VOIDPATH_PROFILES"); dir != nullptr && *dir != '\0') path.emplace_back(dir);
+  if (const char* dir = std::getenv("VOIDPATH_PROFILES"); dir != nullptr && *dir != '\0')
+    path.emplace_back(dir);
   if (const char* xdg = std::getenv("XDG_CONFIG_HOME"); xdg != nullptr && *xdg != '\0')
     path.emplace_back(fs::path(xdg) / "voidpath");
   else if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0')
@@ -107,8 +116,8 @@ std::vector<fs::path> search_path() {
   const fs::path program = fs::read_symlink("/proc/self/exe", ec);
   if (!ec) {
     const fs::path bin = program.parent_path();
-    path.push_back(bin.parent_path() / "share/voidpath");      // installed, wherever to
-    path.push_back(bin / "../../../config");                   // build/<preset>/bin in a source tree
+    path.push_back(bin.parent_path() / "share/voidpath");  // installed, wherever to
+    path.push_back(bin / "../../../config");               // build/<preset>/bin in a source tree
   }
   path.emplace_back(VOIDPATH_DATA_DIR);
   return path;

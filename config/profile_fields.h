@@ -27,6 +27,9 @@ void visit_machine(V& v, Profile& p) {
     s.flag("origin_at_centre", m.origin_at_centre);
     s.number("nozzle_mm", m.nozzle_mm, {0.1, 2});
     s.flag("relative_e", m.relative_e);
+    s.flag("arcs", m.arcs);
+    s.flag("progress", m.progress);
+    s.lines("thumbnails", m.thumbnails);
     s.per_axis("steps_per_mm", l.steps_per_mm, {1, 100000});
     s.per_axis("max_speed_mm_s", l.max_speed_mm_s, kSpeed);
     s.per_axis("max_acceleration_mm_s2", l.max_acceleration_mm_s2, {1, 100000});
@@ -65,6 +68,7 @@ void visit_filament(V& v, toolpath::PrintSettings& p) {
     s.number("bed_c", f.bed_c, kTemperature);
     s.number("bed_first_layer_c", f.bed_first_layer_c, kTemperature);
     s.number("max_flow_mm3_s", f.max_flow_mm3_s, {0, 1000});
+    s.number("linear_advance_s", f.linear_advance_s, {0, 10});
   });
   v.section("cooling", [&](auto& s) {
     auto& c = p.cooling;
@@ -73,6 +77,7 @@ void visit_filament(V& v, toolpath::PrintSettings& p) {
     s.number("fan_max", c.fan_max, kShare);
     s.number("bridge_fan", c.bridge_fan, kShare);
     s.integer("fan_off_layers", c.fan_off_layers, {0, 1000});
+    s.integer("full_fan_at_layer", c.full_fan_at_layer, {0, 1000});
     s.number("slow_below_s", c.slow_below_s, {0, 600});
     s.number("min_speed_mm_s", c.min_speed_mm_s, kSpeed);
     s.number("full_fan_below_s", c.full_fan_below_s, {0, 600});
@@ -118,9 +123,13 @@ void visit_slicing(V& v, toolpath::PrintSettings& p) {
     s.number("small_perimeter_length_mm", x.small_perimeter_length_mm, {0, 10000});
     s.number("bridge_flow", x.bridge_flow, {0.1, 3});
     s.choice("seam", x.seam,
-             {{"nearest", SeamPosition::nearest}, {"aligned", SeamPosition::aligned}, {"rear", SeamPosition::rear}});
+             {{"nearest", SeamPosition::nearest},
+              {"aligned", SeamPosition::aligned},
+              {"rear", SeamPosition::rear}});
     s.choice("support", x.support,
-             {{"none", SupportMode::none}, {"plate", SupportMode::plate}, {"everywhere", SupportMode::everywhere}});
+             {{"none", SupportMode::none},
+              {"plate", SupportMode::plate},
+              {"everywhere", SupportMode::everywhere}});
     s.number("support_angle_deg", x.support_angle_deg, {0, 90});
     s.number("support_density", x.support_density, kShare);
     s.number("support_xy_gap_mm", x.support_xy_gap_mm, {0, 10});
@@ -132,6 +141,7 @@ void visit_slicing(V& v, toolpath::PrintSettings& p) {
     s.number("brim_width_mm", x.brim_width_mm, {0, 100});
     s.number("elephant_foot_mm", x.elephant_foot_mm, {0, 1});
     s.number("resolution_mm", x.resolution_mm, {0, 1});
+    s.number("arc_tolerance_mm", x.arc_tolerance_mm, {0, 1});
     s.number("min_infill_area_mm2", x.min_infill_area_mm2, {0, 1000});
   });
   v.section("speed", [&](auto& s) {
@@ -157,6 +167,13 @@ void visit_slicing(V& v, toolpath::PrintSettings& p) {
     s.number("print_mm_s2", x.print, kAcceleration);
     s.number("first_layer_mm_s2", x.first_layer, kAcceleration);
     s.number("travel_mm_s2", x.travel, kAcceleration);
+    s.number("perimeter_mm_s2", x.perimeter, kAcceleration);
+    s.number("external_perimeter_mm_s2", x.external_perimeter, kAcceleration);
+    s.number("infill_mm_s2", x.infill, kAcceleration);
+    s.number("solid_infill_mm_s2", x.solid_infill, kAcceleration);
+    s.number("top_solid_infill_mm_s2", x.top_solid_infill, kAcceleration);
+    s.number("bridge_mm_s2", x.bridge, kAcceleration);
+    s.number("support_mm_s2", x.support, kAcceleration);
   });
   v.section("retract", [&](auto& s) {
     auto& x = p.retract;
@@ -165,6 +182,8 @@ void visit_slicing(V& v, toolpath::PrintSettings& p) {
     s.number("deretract_speed_mm_s", x.deretract_speed_mm_s, kSpeed);
     s.number("lift_mm", x.lift_mm, {0, 10});
     s.number("min_travel_mm", x.min_travel_mm, {0, 1000});
+    s.flag("wipe", x.wipe);
+    s.flag("avoid_crossing_perimeters", x.avoid_crossing_perimeters);
   });
 }
 

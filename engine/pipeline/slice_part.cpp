@@ -1,5 +1,13 @@
 #include "engine/pipeline/slice_part.h"
 
+#include "engine/gcode/progress.h"
+#include "engine/orient/feasible.h"
+#include "engine/orient/words.h"
+#include "engine/render/thumbnail.h"
+#include "engine/slice/layer_heights.h"
+#include "engine/slice/slice_mesh.h"
+#include "engine/toolpath/build.h"
+
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -8,12 +16,6 @@
 
 #include <fcntl.h>
 #include <unistd.h>
-
-#include "engine/orient/feasible.h"
-#include "engine/orient/words.h"
-#include "engine/slice/layer_heights.h"
-#include "engine/slice/slice_mesh.h"
-#include "engine/toolpath/build.h"
 
 namespace voidpath::pipeline {
 
@@ -71,6 +73,16 @@ Placed place(const mesh::TriangleMesh& mesh, const geom::Vec3& direction, const 
   return placed;
 }
 
+/// Comment lines.
+std::string thumbnails(const Placed& placed, const run::Context& ctx) {
+  std::string out;
+  for (const std::string& text : placed.print.machine.thumbnails) {
+    const auto [width, height] = render::picture_size(text);
+    out += "\n\n" + render::thumbnail(render::draw(placed.mesh, width, height, ctx));
+  }
+  return out;
+}
+
 /// Temporary beside the target, renamed into place by commit(), gone otherwise.
 class AtomicFile {
  public:
@@ -125,25 +137,34 @@ PrepareOptions held(const PrepareOptions& options, const orient::Candidate& cand
 }
 
 toolpath::EmitStats slice_part(const mesh::TriangleMesh& mesh, const geom::Vec3& direction,
-                               const PrepareOptions& options, std::ostream& out, const run::Context& ctx) {
+                               const PrepareOptions& options, std::ostream& out, const run::Context& ctx,
+                               bool pictures) {
   const Placed placed = place(mesh, direction, options);
   const auto& s = placed.print.slice;
   const double height = mesh::bounds(placed.mesh).size().z();
-  auto stack = slice::slice_mesh(placed.mesh,
-                                 slice::equal_layers(height, s.first_layer_height_mm, s.layer_height_mm), {}, ctx);
+  auto stack = slice::slice_mesh(
+      placed.mesh, slice::equal_layers(height, s.first_layer_height_mm, s.layer_height_mm), {}, ctx);
   toolpath::place_on_bed(stack, placed.print.machine);
   const toolpath::Plan plan = toolpath::build(stack, placed.print, ctx);
-  if (plan.layers.empty()) throw Refused("nothing is left to print: the part is thinner than a line everywhere");
-  const std::string header = "up in the model: " + orient::number(direction.x(), 6) + ", " +
-                             orient::number(direction.y(), 6) + ", " + orient::number(direction.z(), 6);
+  if (plan.layers.empty())
+    throw Refused("nothing is left to print: the part is thinner than a line everywhere");
+  std::string header = "up in the model: " + orient::number(direction.x(), 6) + ", " +
+                       orient::number(direction.y(), 6) + ", " + orient::number(direction.z(), 6);
+  if (pictures) header += thumbnails(placed, ctx);
   return toolpath::emit(plan, placed.print, header, out, ctx);
 }
 
-SlicedPart slice_part_to(const mesh::TriangleMesh& mesh, const geom::Vec3& direction, const PrepareOptions& options,
-                         const fs::path& file, const run::Context& ctx) {
+SlicedPart slice_part_to(const mesh::TriangleMesh& mesh, const geom::Vec3& direction,
+                         const PrepareOptions& options, const fs::path& file, const run::Context& ctx) {
   SlicedPart part;
   AtomicFile out(file);
-  part.stats = slice_part(mesh, direction, options, out.stream(), ctx);
+  if (options.print.machine.progress) {
+    std::stringstream text;
+    part.stats = slice_part(mesh, direction, options, text, ctx, true);
+    gcode::add_progress(text, out.stream(), options.limits, ctx);
+  } else {
+    part.stats = slice_part(mesh, direction, options, out.stream(), ctx, true);
+  }
   out.close();
   part.estimate = gcode::estimate_file(out.path(), options.limits, ctx);
   out.commit();

@@ -1,10 +1,12 @@
 #include "engine/toolpath/emit.h"
 
 #include "engine/run/parallel_for.h"
+#include "engine/toolpath/fit_arcs.h"
 #include "engine/toolpath/gcode_text.h"
 #include "engine/toolpath/pace.h"
 #include "engine/toolpath/placeholders.h"
 #include "engine/toolpath/travel.h"
+#include "engine/toolpath/wipe.h"
 #include "engine/toolpath/writer.h"
 
 #include <algorithm>
@@ -42,6 +44,8 @@ class Emitter {
     write_header(header);
     if (!start.empty()) writer_.raw(start);
     writer_.begin();
+    if (settings_.filament.linear_advance_s > 0)
+      writer_.raw("M900 K" + decimal(settings_.filament.linear_advance_s, 4));
     writer_.fan(0);
     for (std::size_t i = 0; i < plan_.layers.size(); ++i) {
       ctx_.check();
@@ -49,7 +53,7 @@ class Emitter {
       if (writer_.text().size() > kFlushBytes) flush();
       ctx_.progress("write", static_cast<double>(i + 1) / static_cast<double>(plan_.layers.size()));
     }
-    writer_.retract();
+    if (writer_.at()) retract_towards(*writer_.at());
     writer_.fan(0);
     if (!end.empty()) writer_.raw(end);
     write_footer();
@@ -120,22 +124,39 @@ class Emitter {
   void print(const Path& path, const Travel& travel, std::size_t i) {
     go_to(path.points.front(), travel, plan_.layers[i]);
     describe(path);
-    const double print_acceleration = i == 0 && settings_.acceleration.first_layer > 0
-                                          ? settings_.acceleration.first_layer
-                                          : settings_.acceleration.print;
-    writer_.acceleration(print_acceleration);
-    const CoolingSettings& c = settings_.cooling;
-    const bool no_fan = !c.enabled || i < static_cast<std::size_t>(std::max(c.fan_off_layers, 0));
-    writer_.fan(!no_fan && keeps_speed(path.role) ? std::max(c.bridge_fan, pace_.fan) : pace_.fan);
+    writer_.acceleration(path_acceleration_mm_s2(path, i, settings_));
+    writer_.fan(keeps_speed(path.role) ? pace_.bridge_fan : pace_.fan);
     const double speed = pace_.apply(path_speed_mm_s(path, i, settings_), path.role);
     writer_.unretract();
-    for (std::size_t k = 1; k < path.points.size(); ++k)
-      extrude(path, path.points[k - 1], path.points[k], speed);
-    if (path.closed) extrude(path, path.points.back(), path.points.front(), speed);
+    const bool arcs = settings_.machine.arcs && settings_.slice.arc_tolerance_mm > 0;
+    if (arcs && path.points.size() > 3) {
+      extrude_curved(path, speed);
+    } else {
+      for (std::size_t k = 1; k < path.points.size(); ++k)
+        extrude(path, path.points[k - 1], path.points[k], speed);
+      if (path.closed) extrude(path, path.points.back(), path.points.front(), speed);
+    }
+    last_ = &path;
   }
 
   void extrude(const Path& path, const geom::Point& from, const geom::Point& to, double speed) {
     writer_.extrude(to, geom::distance(from, to) / geom::kNmPerMm * path.area_mm2, speed);
+  }
+
+  /// With arcs where they fit. An arc gets the material of the pieces it stands for.
+  void extrude_curved(const Path& path, double speed) {
+    geom::Polyline line = path.points;
+    if (path.closed) line.push_back(line.front());
+    std::size_t k = 0;
+    for (const Stroke& stroke : fit_arcs(line, settings_.slice.arc_tolerance_mm)) {
+      double length = 0;
+      for (; k < stroke.last; ++k) length += geom::distance(line[k], line[k + 1]);
+      const double volume = length / geom::kNmPerMm * path.area_mm2;
+      if (stroke.turn == 0)
+        writer_.extrude(stroke.to, volume, speed);
+      else
+        writer_.extrude_arc(stroke.to, stroke.centre, stroke.turn < 0, volume, speed);
+    }
   }
 
   void describe(const Path& path) {
@@ -150,8 +171,15 @@ class Emitter {
     }
   }
 
+  void retract_towards(const geom::Point& to) {
+    if (settings_.retract.wipe && last_ != nullptr)
+      writer_.retract_along(wipe_way(*last_, to, writer_.wipe_length_mm()));
+    else
+      writer_.retract();
+  }
+
   void go_to(const geom::Point& to, const Travel& travel, const LayerPlan& layer) {
-    if (travel.retract && writer_.at()) writer_.retract();
+    if (travel.retract && writer_.at()) retract_towards(to);
     if (z_pending_) writer_.layer_height(layer.span.top_mm);
     z_pending_ = false;
     if (writer_.at() && *writer_.at() == to) return;
@@ -168,6 +196,7 @@ class Emitter {
   Writer writer_;
   std::vector<std::vector<Travel>> travels_;  ///< by layer and path
   Pace pace_;
+  const Path* last_ = nullptr;  ///< printed
   Role role_ = Role::infill;
   bool has_type_ = false;
   bool z_pending_ = true;

@@ -40,6 +40,39 @@ double role_speed(Role role, const SpeedSettings& s) {
   return s.perimeter;
 }
 
+double role_acceleration(Role role, const AccelerationSettings& a) {
+  switch (role) {
+    case Role::external_perimeter:
+      return a.external_perimeter;
+    case Role::perimeter:
+    case Role::skirt_brim:
+    case Role::gap_fill:
+      return a.perimeter;
+    case Role::overhang_perimeter:
+    case Role::bridge_infill:
+      return a.bridge;
+    case Role::infill:
+      return a.infill;
+    case Role::solid_infill:
+      return a.solid_infill;
+    case Role::top_solid_infill:
+      return a.top_solid_infill;
+    case Role::support:
+    case Role::support_interface:
+      return a.support;
+  }
+  return a.print;
+}
+
+/// The fan's share of its full speed that this layer allows: nothing at first, then evenly more.
+double fan_ramp(std::size_t layer, const CoolingSettings& c) {
+  const auto off = static_cast<std::size_t>(std::max(c.fan_off_layers, 0));
+  const auto full = static_cast<std::size_t>(std::max(c.full_fan_at_layer, 0));
+  if (layer < off) return 0;
+  if (layer + 1 >= full) return 1;
+  return static_cast<double>(layer + 1 - off) / static_cast<double>(full - off);
+}
+
 double length_mm(const Path& path) {
   double sum = geom::length(path.points);
   if (path.closed && path.points.size() > 1) sum += geom::distance(path.points.back(), path.points.front());
@@ -55,6 +88,14 @@ double path_speed_mm_s(const Path& path, std::size_t layer, const PrintSettings&
   if (settings.filament.max_flow_mm3_s > 0 && flow > 0)
     v = std::min(v, settings.filament.max_flow_mm3_s / flow);
   return std::max(v, kLeastSpeedMmS);
+}
+
+double path_acceleration_mm_s2(const Path& path, std::size_t layer, const PrintSettings& settings) {
+  const AccelerationSettings& a = settings.acceleration;
+  if (a.print <= 0) return 0;
+  if (layer == 0 && a.first_layer > 0) return a.first_layer;
+  const double own = role_acceleration(path.role, a);
+  return own > 0 ? own : a.print;
 }
 
 bool keeps_speed(Role role) {
@@ -103,10 +144,11 @@ Pace pace_of_layer(const LayerPlan& layer, std::size_t index, const PrintSetting
     out.factor = low;
     out.seconds = seconds(low);
   }
-  if (index < static_cast<std::size_t>(std::max(c.fan_off_layers, 0))) return out;
+  const double ramp = fan_ramp(index, c);
   const double range = std::max(c.full_fan_below_s - c.slow_below_s, 1e-9);
   const double quick = std::clamp((c.full_fan_below_s - out.seconds) / range, 0.0, 1.0);
-  out.fan = std::clamp(c.fan_min + quick * (c.fan_max - c.fan_min), 0.0, 1.0);
+  out.fan = ramp * std::clamp(c.fan_min + quick * (c.fan_max - c.fan_min), 0.0, 1.0);
+  out.bridge_fan = ramp * std::max(std::clamp(c.bridge_fan, 0.0, 1.0), out.fan);
   return out;
 }
 

@@ -11,6 +11,9 @@ namespace voidpath::toolpath {
 /// The path's speed by its role and layer, within the filament's flow limit, mm/s.
 double path_speed_mm_s(const Path& path, std::size_t layer, const PrintSettings& settings);
 
+/// The path's acceleration by its role and layer, mm/s²; 0: the printer's own.
+double path_acceleration_mm_s2(const Path& path, std::size_t layer, const PrintSettings& settings);
+
 /// Whether slowing for cooling leaves the role alone: a strand over air sags when it is printed slowly.
 bool keeps_speed(Role role);
 
@@ -18,8 +21,9 @@ struct Pace {
   /// Speeds of paths that may be slowed are multiplied by this, but stay above the floor.
   double factor = 1;
   double floor_mm_s = 0;
-  double seconds = 0;  ///< of the layer at this pace, accelerations left out
-  double fan = 0;      ///< 0 to 1
+  double seconds = 0;     ///< of the layer at this pace, accelerations left out
+  double fan = 0;         ///< 0 to 1
+  double bridge_fan = 0;  ///< the same over air
 
   double apply(double speed_mm_s, Role role) const;
 };

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 namespace voidpath::toolpath {
 
@@ -47,9 +48,10 @@ struct SliceSettings {
   double skirt_gap_mm = 3.0;
   int skirt_layers = 1;
   double brim_width_mm = 0;
-  double elephant_foot_mm = 0.0;   ///< first layer shrinks by this
-  double resolution_mm = 0.0125;   ///< toolpaths are simplified to this
-  double min_infill_area_mm2 = 3;  ///< smaller sparse areas are filled solid
+  double elephant_foot_mm = 0.0;    ///< first layer shrinks by this
+  double resolution_mm = 0.0125;    ///< toolpaths are simplified to this
+  double arc_tolerance_mm = 0.025;  ///< how far G2 and G3 may leave the toolpath, where the machine has them
+  double min_infill_area_mm2 = 3;   ///< smaller sparse areas are filled solid
 };
 
 /// mm/s. Keys of `speed:`, each with the suffix _mm_s.
@@ -72,11 +74,19 @@ struct SpeedSettings {
   double first_layer = 20;
 };
 
-/// mm/s²; 0 leaves the printer's own. Keys of `acceleration:`, suffix _mm_s2.
+/// mm/s². `print` 0 leaves the printer's own everywhere; any other 0 means as `print`. Keys of
+/// `acceleration:`, suffix _mm_s2.
 struct AccelerationSettings {
   double print = 0;
   double first_layer = 0;
   double travel = 0;
+  double perimeter = 0;
+  double external_perimeter = 0;
+  double infill = 0;
+  double solid_infill = 0;
+  double top_solid_infill = 0;
+  double bridge = 0;
+  double support = 0;
 };
 
 struct RetractSettings {
@@ -85,6 +95,9 @@ struct RetractSettings {
   double deretract_speed_mm_s = 35;
   double lift_mm = 0;
   double min_travel_mm = 1.5;  ///< shorter travels don't retract
+  /// The nozzle moves on over what it just printed while it retracts, so that what oozes lands there.
+  bool wipe = false;
+  bool avoid_crossing_perimeters = true;  ///< a short detour inside the part is preferred to a retraction
 };
 
 struct CoolingSettings {
@@ -92,8 +105,10 @@ struct CoolingSettings {
   double fan_min = 0.35;  ///< 0 to 1
   double fan_max = 1.0;
   double bridge_fan = 1.0;
-  int fan_off_layers = 1;      ///< the first n layers print without fan
-  double slow_below_s = 10;    ///< layers that take less are slowed down...
+  int fan_off_layers = 1;  ///< the first n layers print without fan
+  int full_fan_at_layer =
+      0;                     ///< between those and this layer (from 1) the fan gains speed evenly; 0: at once
+  double slow_below_s = 10;  ///< layers that take less are slowed down...
   double min_speed_mm_s = 10;  ///< ...but not below this
   double full_fan_below_s = 30;
 };
@@ -109,6 +124,8 @@ struct Filament {
   double bed_c = 60;
   double bed_first_layer_c = 60;
   double max_flow_mm3_s = 15;  ///< speeds are lowered to keep to it; 0: no limit
+  /// Advance of the extruder's pressure, s (Marlin's K, Klipper's pressure advance); 0 leaves the printer's.
+  double linear_advance_s = 0;
 };
 
 /// From the printer's profile.
@@ -119,6 +136,10 @@ struct MachineShape {
   bool origin_at_centre = false;  ///< (0,0) is the bed's middle, not its front left corner
   double nozzle_mm = 0.4;
   bool relative_e = true;
+  bool arcs = false;      ///< the firmware runs G2 and G3
+  bool progress = false;  ///< the firmware shows what M73 tells: percent done and minutes left
+  /// Pictures of the part in the G-code's head, "WIDTHxHEIGHT" in pixels.
+  std::vector<std::string> thumbnails = {"32x32", "400x300"};
   /// G-code before and after the print, with placeholders in braces such as {nozzle_first_layer_c};
   /// the list is in placeholders.h and config/README.md.
   std::string start_gcode;

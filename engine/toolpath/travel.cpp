@@ -120,7 +120,8 @@ class TravelPlanner {
       return {};
     if (outline_.contains(from, to)) return {};
     if (among_supports && harmless_between_supports(from, to, straight)) return {};
-    if (Travel detour = around(from, to, straight); !detour.via.empty()) return detour;
+    if (settings_.retract.avoid_crossing_perimeters)
+      if (Travel detour = around(from, to, straight); !detour.via.empty()) return detour;
     return {{}, true};
   }
 

@@ -14,6 +14,8 @@ constexpr double kEUnitsPerMm = 1e5;
 constexpr int kEDecimals = 5;
 constexpr int kLengthDecimals = 3;
 constexpr geom::Coord kNmPerUm = 1000;
+/// Wiping goes by a little slower than travelling, so that the retraction keeps up.
+constexpr double kWipeSpeedShare = 0.8;
 
 std::int64_t to_um(geom::Coord nm) {
   return nm >= 0 ? (nm + kNmPerUm / 2) / kNmPerUm : -((-nm + kNmPerUm / 2) / kNmPerUm);
@@ -100,12 +102,51 @@ void Writer::retract() {
   if (retracted_) return;
   retracted_ = true;
   if (settings_.retract.length_mm > 0) {
-    text_ += "G1";
-    put_e(-settings_.retract.length_mm);
-    put_feed(settings_.retract.speed_mm_s);
-    text_ += '\n';
+    put_retraction(settings_.retract.length_mm);
     ++stats_.retractions;
   }
+  lift();
+}
+
+double Writer::wipe_length_mm() const {
+  const RetractSettings& r = settings_.retract;
+  if (r.length_mm <= 0 || r.speed_mm_s <= 0) return 0;
+  return kWipeSpeedShare * settings_.speed.travel * r.length_mm / r.speed_mm_s;
+}
+
+void Writer::retract_along(const geom::Polyline& way) {
+  const double whole = wipe_length_mm();
+  const double length = std::min(geom::length(way) / geom::kNmPerMm, whole);
+  if (retracted_ || !(length > 0)) return retract();
+  retracted_ = true;
+  ++stats_.retractions;
+  comment("WIPE_START");
+  const double per_mm = settings_.retract.length_mm / whole;
+  if (length < whole) put_retraction(settings_.retract.length_mm - length * per_mm);
+  for (std::size_t i = 1; i < way.size(); ++i) {
+    const double e = -per_mm * geom::distance(way[i - 1], way[i]) / geom::kNmPerMm;
+    if (x_um_ == to_um(way[i].x) && y_um_ == to_um(way[i].y)) {
+      e_exact_mm_ += e;
+      continue;
+    }
+    text_ += "G1";
+    put_xy(way[i]);
+    put_e(e);
+    put_feed(kWipeSpeedShare * settings_.speed.travel);
+    text_ += '\n';
+  }
+  comment("WIPE_END");
+  lift();
+}
+
+void Writer::put_retraction(double filament_mm) {
+  text_ += "G1";
+  put_e(-filament_mm);
+  put_feed(settings_.retract.speed_mm_s);
+  text_ += '\n';
+}
+
+void Writer::lift() {
   if (settings_.retract.lift_mm > 0 && z_um_) move_z(z_mm_ + settings_.retract.lift_mm);
 }
 
@@ -133,11 +174,16 @@ void Writer::travel(const geom::Point& to) {
   text_ += '\n';
 }
 
-void Writer::extrude(const geom::Point& to, double volume_mm3, double speed_mm_s) {
+double Writer::filament_for(double volume_mm3) {
   const double volume = volume_mm3 * settings_.filament.flow;
   const double filament = volume / filament_mm2_;
   stats_.extruded_mm3 += volume;
   stats_.filament_mm += filament;
+  return filament;
+}
+
+void Writer::extrude(const geom::Point& to, double volume_mm3, double speed_mm_s) {
+  const double filament = filament_for(volume_mm3);
   if (x_um_ == to_um(to.x) &&
       y_um_ == to_um(to.y)) {  // less than the last digit: its material goes to the next move
     e_exact_mm_ += filament;
@@ -147,6 +193,22 @@ void Writer::extrude(const geom::Point& to, double volume_mm3, double speed_mm_s
   text_ += "G1";
   put_xy(to);
   put_e(filament);
+  put_feed(speed_mm_s);
+  text_ += '\n';
+}
+
+void Writer::extrude_arc(const geom::Point& to, const geom::Point& centre, bool clockwise, double volume_mm3,
+                         double speed_mm_s) {
+  if (!x_um_ || !y_um_) return extrude(to, volume_mm3, speed_mm_s);
+  const std::int64_t i = to_um(centre.x) - *x_um_;
+  const std::int64_t j = to_um(centre.y) - *y_um_;
+  text_ += clockwise ? "G2" : "G3";
+  put_xy(to);
+  text_ += " I";
+  put_scaled(text_, i, kLengthDecimals);
+  text_ += " J";
+  put_scaled(text_, j, kLengthDecimals);
+  put_e(filament_for(volume_mm3));
   put_feed(speed_mm_s);
   text_ += '\n';
 }

@@ -25,10 +25,18 @@ class Writer {
   void layer_height(double z_mm);  ///< where the nozzle prints from now on
   void reset_e();                  ///< absolute E starts again from 0; nothing in relative mode
   void retract();
+  /// Retracts while moving along `way`, which begins where the nozzle is: evenly over the whole of it if it
+  /// takes the time the retraction does, otherwise what is too much at its beginning.
+  void retract_along(const geom::Polyline& way);
+  /// Of the way that takes as long as the retraction, mm.
+  double wipe_length_mm() const;
   void unretract();
   void travel(const geom::Point& to);
   /// In a straight line; `volume_mm3` before the filament's flow factor.
   void extrude(const geom::Point& to, double volume_mm3, double speed_mm_s);
+  /// The same along an arc about `centre`.
+  void extrude_arc(const geom::Point& to, const geom::Point& centre, bool clockwise, double volume_mm3,
+                   double speed_mm_s);
   void fan(double share);
   void acceleration(double mm_s2);
   void temperature(int code, double celsius);
@@ -40,6 +48,9 @@ class Writer {
 
  private:
   void move_z(double z_mm);
+  double filament_for(double volume_mm3);
+  void put_retraction(double filament_mm);
+  void lift();
   void put_xy(const geom::Point& to);
   void put_e(double filament_mm);
   void put_feed(double mm_s);

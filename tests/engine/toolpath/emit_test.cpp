@@ -244,3 +244,40 @@ TEST_CASE("accelerations are written only when asked for") {
   for (const char* line : {"M204 S1000\n", "M204 S500\n", "M204 S1500\n"})
     CHECK(text.find(line) != std::string::npos);
 }
+
+TEST_CASE("each feature has its acceleration, and none where the printer's own is to hold") {
+  toolpath::PrintSettings s;
+  s.acceleration.print = 1000;
+  s.acceleration.external_perimeter = 400;
+  toolpath::Path path;
+  for (const auto& [role, wanted] : {std::pair{Role::external_perimeter, 400.0}, {Role::infill, 1000.0}}) {
+    path.role = role;
+    CHECK(toolpath::path_acceleration_mm_s2(path, 3, s) == wanted);
+  }
+  s.acceleration.first_layer = 300;
+  CHECK(toolpath::path_acceleration_mm_s2(path, 0, s) == 300);
+  s.acceleration.print = 0;
+  CHECK(toolpath::path_acceleration_mm_s2(path, 3, s) == 0);
+  CHECK(toolpath::path_acceleration_mm_s2(path, 0, s) == 0);
+}
+
+TEST_CASE("the fan gains speed evenly up to its layer") {
+  toolpath::PrintSettings s;
+  s.cooling.fan_off_layers = 2;
+  s.cooling.full_fan_at_layer = 6;
+  const auto plan = toolpath::build(box_stack(10, 10, 2), s);
+  const double share[] = {0, 0, 0.25, 0.5, 0.75, 1, 1, 1, 1, 1};
+  for (std::size_t i = 0; i < plan.layers.size(); ++i) {
+    const auto pace = toolpath::pace_of_layer(plan.layers[i], i, s);
+    CHECK(pace.fan == Approx(share[i] * s.cooling.fan_max));
+    CHECK(pace.bridge_fan == Approx(share[i] * s.cooling.bridge_fan));
+  }
+}
+
+TEST_CASE("linear advance is passed on where the filament has it") {
+  toolpath::PrintSettings s;
+  const auto plan = toolpath::build(box_stack(10, 10, 1), s);
+  CHECK(text_of(plan, s).find("M900") == std::string::npos);
+  s.filament.linear_advance_s = 0.045;
+  CHECK(text_of(plan, s).find("\nM900 K0.045\n") != std::string::npos);
+}
