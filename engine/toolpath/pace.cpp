@@ -50,6 +50,7 @@ double role_acceleration(Role role, const AccelerationSettings& a) {
       return a.perimeter;
     case Role::overhang_perimeter:
     case Role::bridge_infill:
+    case Role::internal_bridge:
       return a.bridge;
     case Role::infill:
       return a.infill;
