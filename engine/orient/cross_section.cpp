@@ -18,10 +18,31 @@ void CrossSections::prepare(const Solid& solid, const Projection& p, const std::
   p_ = &p;
   slabs_ = &slabs;
   rank_.resize(p.h.size());
-  const auto by_middle = [](double h, const Slab& s) { return h < s.middle_mm; };
-  for (std::size_t v = 0; v < p.h.size(); ++v)
-    rank_[v] = static_cast<Index>(
-        std::upper_bound(slabs.begin(), slabs.end(), p.h[v] + kHeightNoise, by_middle) - slabs.begin());
+  // A table by height tells where among the slices to look: nearly always there is one or none.
+  const double steps_per_mm =
+      p.h_max > p.h_min ? static_cast<double>(4 * slabs.size()) / (p.h_max - p.h_min) : 0;
+  auto step_of = [&](double h) {
+    return static_cast<std::size_t>(std::max(0.0, (h - p.h_min) * steps_per_mm));
+  };
+  start_.assign(4 * slabs.size() + 3, 0);
+  for (const Slab& s : slabs) ++start_[std::min(step_of(s.middle_mm) + 1, start_.size() - 1)];
+  for (std::size_t k = 1; k < start_.size(); ++k) start_[k] += start_[k - 1];
+  for (std::size_t v = 0; v < p.h.size(); ++v) {
+    const double h = p.h[v] + kHeightNoise;
+    const std::size_t step = std::min(step_of(h), start_.size() - 2);
+    std::size_t r = start_[step];
+    std::size_t end = start_[step + 1];
+    // Slices nearer to one another than a step are few but for the stricter rule of critical heights.
+    while (r < end) {
+      const std::size_t middle = (r + end) / 2;
+      if (slabs[middle].middle_mm <= h) {
+        r = middle + 1;
+      } else {
+        end = middle;
+      }
+    }
+    rank_[v] = static_cast<Index>(r);
+  }
   count_.assign(slabs.size() + 1, 0);
   crossings_.clear();
   for (std::size_t t = 0; t < solid.triangles.size(); ++t) {

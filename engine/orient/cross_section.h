@@ -63,7 +63,8 @@ class CrossSections {
   const Solid* solid_ = nullptr;
   const Projection* p_ = nullptr;
   const std::vector<Slab>* slabs_ = nullptr;
-  std::vector<Index> rank_;  ///< per vertex: number of slices at or below it
+  std::vector<Index> rank_;   ///< per vertex: number of slices at or below it
+  std::vector<Index> start_;  ///< per step of height: number of slices below the step
   struct Crossing {
     Index facet, from, to;  ///< crossed by slices [from, to)
   };

@@ -1,5 +1,7 @@
 #include "engine/orient/hull2d.h"
 
+#include "engine/orient/inner_points.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -44,6 +46,7 @@ bool fits_at(const std::vector<Point2>& outline, double turn, double x, double y
 }  // namespace
 
 std::vector<Point2> convex_outline(std::vector<Point2>& points) {
+  drop_inner(points, [](Point2 p) { return p; });
   std::sort(points.begin(), points.end(),
             [](Point2 a, Point2 b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
   points.erase(

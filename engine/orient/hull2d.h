@@ -8,7 +8,7 @@
 /// Convex outlines in the plane: what a part covers on the bed, what it stands on.
 namespace voidpath::orient {
 
-/// Counter-clockwise, no three in line (Andrew's monotone chain). Reorders `points`.
+/// Counter-clockwise, no three in line (Andrew's monotone chain). Reorders `points` and drops inner ones.
 std::vector<Point2> convex_outline(std::vector<Point2>& points);
 
 /// Distance of p to the outline's border, positive inside; -infinity for an empty outline.

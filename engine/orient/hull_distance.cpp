@@ -1,5 +1,6 @@
 #include "engine/orient/hull_distance.h"
 
+#include "engine/orient/inner_points.h"
 #include "engine/orient/segment_distance.h"
 
 #include <algorithm>
@@ -58,6 +59,7 @@ std::size_t HullDistance::add(const std::vector<Point2>& points, std::size_t beg
   sorted_.clear();
   for (std::size_t i = begin; i < end; ++i)
     sorted_.push_back({points[i], static_cast<std::uint32_t>(i - begin), false});
+  drop_inner(sorted_, [](const Corner& c) { return c.p; });
   std::sort(sorted_.begin(), sorted_.end(), [](const Corner& a, const Corner& b) {
     if (a.p.x != b.p.x) return a.p.x < b.p.x;
     return a.p.y != b.p.y ? a.p.y < b.p.y : a.place < b.place;
