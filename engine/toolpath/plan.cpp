@@ -18,8 +18,9 @@ std::string_view type_name(Role role) {
       return "Solid infill";
     case Role::top_solid_infill:
       return "Top solid infill";
-    case Role::bridge_infill:
     case Role::internal_bridge:
+      return "Internal bridge infill";  // SuperSlicer's word; PrusaSlicer has none
+    case Role::bridge_infill:
       return "Bridge infill";
     case Role::gap_fill:
       return "Gap fill";
