@@ -90,6 +90,13 @@ void check(const Profile& p) {
     }
   }
   if (s.layer_height_mm > nozzle) fail("slice.layer_height_mm is larger than machine.nozzle_mm");
+  if (s.adaptive_layers) {
+    if (s.min_layer_height_mm > s.max_layer_height_mm)
+      fail("slice.min_layer_height_mm is larger than slice.max_layer_height_mm");
+    if (s.max_layer_height_mm > nozzle) fail("slice.max_layer_height_mm is larger than machine.nozzle_mm");
+    if (s.line_width_mm < s.max_layer_height_mm)
+      fail("slice.line_width_mm is smaller than slice.max_layer_height_mm");
+  }
   if (s.first_layer_height_mm > nozzle) fail("slice.first_layer_height_mm is larger than machine.nozzle_mm");
   if (s.line_width_mm < s.layer_height_mm) fail("slice.line_width_mm is smaller than slice.layer_height_mm");
   if (s.first_layer_line_width_mm < s.first_layer_height_mm)

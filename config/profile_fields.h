@@ -63,6 +63,7 @@ void visit_filament(V& v, toolpath::PrintSettings& p) {
     s.number("diameter_mm", f.diameter_mm, {1, 4});
     s.number("density_g_cm3", f.density_g_cm3, {0.1, 20});
     s.number("flow", f.flow, {0.1, 3});
+    s.number("first_layer_flow", f.first_layer_flow, {0.1, 3});
     s.number("nozzle_c", f.nozzle_c, kTemperature);
     s.number("nozzle_first_layer_c", f.nozzle_first_layer_c, kTemperature);
     s.number("bed_c", f.bed_c, kTemperature);
@@ -85,12 +86,45 @@ void visit_filament(V& v, toolpath::PrintSettings& p) {
 }
 
 template <class V>
+void visit_supports(V& s, toolpath::SliceSettings& x) {
+  using toolpath::SupportMode;
+  using toolpath::SupportStyle;
+  s.choice("support", x.support,
+           {{"none", SupportMode::none}, {"plate", SupportMode::plate}, {"everywhere", SupportMode::everywhere}});
+  s.number("support_angle_deg", x.support_angle_deg, {0, 90});
+  s.number("support_density", x.support_density, kShare);
+  s.number("support_xy_gap_mm", x.support_xy_gap_mm, {0, 10});
+  s.number("support_z_gap_mm", x.support_z_gap_mm, {0, 5});
+  s.integer("support_interface_layers", x.support_interface_layers, {0, 100});
+}
+
+/// Between part and plate: skirt, brim, raft, the first layer's outline.
+template <class V>
+void visit_plate(V& s, toolpath::SliceSettings& x) {
+  using toolpath::BrimType;
+  s.integer("skirt_loops", x.skirt_loops, {0, 100});
+  s.number("skirt_gap_mm", x.skirt_gap_mm, {0, 100});
+  s.integer("skirt_layers", x.skirt_layers, {0, 10000});
+  s.choice("brim_type", x.brim_type,
+           {{"outer", BrimType::outer}, {"inner", BrimType::inner}, {"both", BrimType::both}, {"ears", BrimType::ears}});
+  s.number("brim_width_mm", x.brim_width_mm, {0, 100});
+  s.number("brim_gap_mm", x.brim_gap_mm, {0, 10});
+  s.number("brim_ear_angle_deg", x.brim_ear_angle_deg, {0, 180});
+  s.integer("raft_layers", x.raft_layers, {0, 100});
+  s.integer("raft_interface_layers", x.raft_interface_layers, {0, 100});
+  s.number("raft_margin_mm", x.raft_margin_mm, {0, 100});
+  s.number("raft_gap_mm", x.raft_gap_mm, {0, 5});
+  s.number("elephant_foot_mm", x.elephant_foot_mm, {0, 1});
+  s.number("xy_compensation_mm", x.xy_compensation_mm, {-2, 2});
+  s.number("hole_compensation_mm", x.hole_compensation_mm, {-2, 2});
+}
+
+template <class V>
 void visit_slicing(V& v, toolpath::PrintSettings& p) {
   using toolpath::InfillDirection;
   using toolpath::InfillPattern;
   using toolpath::SolidPattern;
   using toolpath::SeamPosition;
-  using toolpath::SupportMode;
   const Names<SolidPattern> solid_patterns = {{"rectilinear", SolidPattern::rectilinear},
                                               {"concentric", SolidPattern::concentric},
                                               {"fermat", SolidPattern::fermat}};
@@ -98,6 +132,10 @@ void visit_slicing(V& v, toolpath::PrintSettings& p) {
     auto& x = p.slice;
     s.number("layer_height_mm", x.layer_height_mm, {0.02, 2});
     s.number("first_layer_height_mm", x.first_layer_height_mm, {0.02, 2});
+    s.flag("adaptive_layers", x.adaptive_layers);
+    s.number("min_layer_height_mm", x.min_layer_height_mm, {0.02, 2});
+    s.number("max_layer_height_mm", x.max_layer_height_mm, {0.02, 2});
+    s.number("adaptive_error_mm", x.adaptive_error_mm, {0.001, 1});
     s.number("line_width_mm", x.line_width_mm, {0.05, 4});
     s.number("first_layer_line_width_mm", x.first_layer_line_width_mm, {0.05, 4});
     s.integer("perimeters", x.perimeters, {0, 100});
@@ -126,20 +164,9 @@ void visit_slicing(V& v, toolpath::PrintSettings& p) {
              {{"nearest", SeamPosition::nearest},
               {"aligned", SeamPosition::aligned},
               {"rear", SeamPosition::rear}});
-    s.choice("support", x.support,
-             {{"none", SupportMode::none},
-              {"plate", SupportMode::plate},
-              {"everywhere", SupportMode::everywhere}});
-    s.number("support_angle_deg", x.support_angle_deg, {0, 90});
-    s.number("support_density", x.support_density, kShare);
-    s.number("support_xy_gap_mm", x.support_xy_gap_mm, {0, 10});
-    s.number("support_z_gap_mm", x.support_z_gap_mm, {0, 5});
-    s.integer("support_interface_layers", x.support_interface_layers, {0, 100});
-    s.integer("skirt_loops", x.skirt_loops, {0, 100});
-    s.number("skirt_gap_mm", x.skirt_gap_mm, {0, 100});
-    s.integer("skirt_layers", x.skirt_layers, {0, 10000});
-    s.number("brim_width_mm", x.brim_width_mm, {0, 100});
-    s.number("elephant_foot_mm", x.elephant_foot_mm, {0, 1});
+    visit_supports(s, x);
+    visit_plate(s, x);
+    s.flag("spiral_vase", x.spiral_vase);
     s.number("resolution_mm", x.resolution_mm, {0, 1});
     s.number("arc_tolerance_mm", x.arc_tolerance_mm, {0, 1});
     s.number("min_infill_area_mm2", x.min_infill_area_mm2, {0, 1000});

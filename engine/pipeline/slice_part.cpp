@@ -4,9 +4,11 @@
 #include "engine/orient/feasible.h"
 #include "engine/orient/words.h"
 #include "engine/render/thumbnail.h"
+#include "engine/slice/adaptive_layers.h"
 #include "engine/slice/layer_heights.h"
 #include "engine/slice/slice_mesh.h"
 #include "engine/toolpath/build.h"
+#include "engine/toolpath/raft.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -29,7 +31,14 @@ std::string size_text(double x, double y, double z) {
   return orient::number(x, 1) + " x " + orient::number(y, 1) + " x " + orient::number(z, 1) + " mm";
 }
 
-/// Width of what is laid around the part on the first layer.
+/// What is laid right around the part on the first layer, brim or raft.
+double collar_mm(const toolpath::SliceSettings& s) {
+  if (s.raft_layers > 0) return s.raft_margin_mm;
+  return s.brim_width_mm > 0 && s.brim_type != toolpath::BrimType::inner ? s.brim_width_mm + s.brim_gap_mm
+                                                                         : 0;
+}
+
+/// Width of the skirt beyond that.
 double skirt_mm(const toolpath::SliceSettings& s) {
   return s.skirt_loops > 0 ? s.skirt_gap_mm + s.skirt_loops * s.first_layer_line_width_mm : 0;
 }
@@ -55,16 +64,16 @@ Placed place(const mesh::TriangleMesh& mesh, const geom::Vec3& direction, const 
   const geom::Vec3 size = mesh::bounds(placed.mesh).size();
   orient::PrintLimits limits;
   limits.volume_mm = {machine.bed_mm[0], machine.bed_mm[1], machine.height_mm};
-  limits.bed_margin_mm = slice.brim_width_mm + skirt_mm(slice);
+  limits.bed_margin_mm = collar_mm(slice) + skirt_mm(slice);
   auto turn = orient::bed_turn(mesh, direction, limits);
   if (!turn) {
     slice.skirt_loops = 0;
-    limits.bed_margin_mm = slice.brim_width_mm;
+    limits.bed_margin_mm = collar_mm(slice);
     turn = orient::bed_turn(mesh, direction, limits);
   }
   // A part exactly as tall as the printer fits, whatever rounding did to its height.
   constexpr double kRounding_mm = 1e-6;
-  if (!turn || size.z() > machine.height_mm + kRounding_mm)
+  if (!turn || size.z() + toolpath::raft_lift_mm(slice) > machine.height_mm + kRounding_mm)
     throw Refused("the part is " + size_text(size.x(), size.y(), size.z()) +
                   " in this orientation and does not fit the printer's " +
                   size_text(machine.bed_mm[0], machine.bed_mm[1], machine.height_mm) +
@@ -81,6 +90,15 @@ std::string thumbnails(const Placed& placed, const run::Context& ctx) {
     out += "\n\n" + render::thumbnail(render::draw(placed.mesh, width, height, ctx));
   }
   return out;
+}
+
+std::vector<slice::LayerSpan> layer_spans(const mesh::TriangleMesh& mesh, const toolpath::SliceSettings& s,
+                                          const run::Context& ctx) {
+  const double first = s.raft_layers > 0 ? s.layer_height_mm : s.first_layer_height_mm;
+  if (s.adaptive_layers)
+    return slice::adaptive_layers(
+        mesh, {first, s.min_layer_height_mm, s.max_layer_height_mm, s.adaptive_error_mm}, ctx);
+  return slice::equal_layers(mesh::bounds(mesh).size().z(), first, s.layer_height_mm);
 }
 
 /// Temporary beside the target, renamed into place by commit(), gone otherwise.
@@ -141,9 +159,7 @@ toolpath::EmitStats slice_part(const mesh::TriangleMesh& mesh, const geom::Vec3&
                                bool pictures) {
   const Placed placed = place(mesh, direction, options);
   const auto& s = placed.print.slice;
-  const double height = mesh::bounds(placed.mesh).size().z();
-  auto stack = slice::slice_mesh(
-      placed.mesh, slice::equal_layers(height, s.first_layer_height_mm, s.layer_height_mm), {}, ctx);
+  auto stack = slice::slice_mesh(placed.mesh, layer_spans(placed.mesh, s, ctx), {}, ctx);
   toolpath::place_on_bed(stack, placed.print.machine);
   const toolpath::Plan plan = toolpath::build(stack, placed.print, ctx);
   if (plan.layers.empty())

@@ -25,14 +25,6 @@ double turn(const Point& a, const Point& b, const Point& c) {
          static_cast<double>(b.y - a.y) * static_cast<double>(c.x - a.x);
 }
 
-geom::Regions filled(const geom::Regions& regions) {
-  geom::Rings outers;
-  for (const auto& r : regions) outers.push_back(r.outer);
-  geom::Regions out = geom::unite(outers);
-  for (auto& r : out) r.holes.clear();
-  return out;
-}
-
 }  // namespace
 
 geom::Ring convex_hull(std::vector<Point> points) {
@@ -52,24 +44,11 @@ geom::Ring convex_hull(std::vector<Point> points) {
   return hull;
 }
 
-geom::Rings brim_loops(const geom::Regions& footprint, const SliceSettings& settings, const BeadSize& bead) {
+geom::Rings skirt_loops(const geom::Regions& around, const SliceSettings& settings, const BeadSize& bead) {
   geom::Rings out;
-  if (settings.brim_width_mm <= 0 || footprint.empty()) return out;
-  const double spacing = bead.spacing_mm();
-  const auto count = std::max(1, static_cast<int>(std::floor(settings.brim_width_mm / spacing)));
-  const geom::Regions base = filled(footprint);
-  for (int k = count; k-- > 0;)
-    for (auto& region :
-         plain(filled(geom::offset(base, from_mm(spacing * (k + 0.5)), geom::Join::round)), settings))
-      out.push_back(std::move(region.outer));
-  return out;
-}
-
-geom::Rings skirt_loops(const geom::Regions& footprint, const SliceSettings& settings, const BeadSize& bead) {
-  geom::Rings out;
-  if (settings.skirt_loops <= 0 || footprint.empty()) return out;
+  if (settings.skirt_loops <= 0 || around.empty()) return out;
   std::vector<Point> points;
-  for (const auto& r : footprint) points.insert(points.end(), r.outer.begin(), r.outer.end());
+  for (const auto& r : around) points.insert(points.end(), r.outer.begin(), r.outer.end());
   geom::Ring hull = convex_hull(std::move(points));
   if (hull.size() < 3) return out;
   const geom::Regions base{{std::move(hull), {}}};

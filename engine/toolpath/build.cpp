@@ -3,13 +3,18 @@
 #include "engine/geom/polygon_ops.h"
 #include "engine/run/parallel_for.h"
 #include "engine/toolpath/adhesion.h"
+#include "engine/toolpath/brim.h"
 #include "engine/toolpath/combine_infill.h"
 #include "engine/toolpath/draft.h"
 #include "engine/toolpath/fill_directions.h"
+#include "engine/toolpath/fill_paths.h"
 #include "engine/toolpath/lightning.h"
+#include "engine/toolpath/outline.h"
 #include "engine/toolpath/overhangs.h"
+#include "engine/toolpath/raft.h"
 #include "engine/toolpath/region_ops.h"
 #include "engine/toolpath/sequence.h"
+#include "engine/toolpath/spiral_vase.h"
 #include "engine/toolpath/supports.h"
 #include "engine/toolpath/surfaces.h"
 
@@ -21,21 +26,6 @@ namespace voidpath::toolpath {
 namespace {
 
 using geom::from_mm;
-
-/// The outlines to print: the cuts at the resolution asked, the first layer less its elephant foot.
-slice::LayerStack outlines(const slice::LayerStack& stack, const SliceSettings& settings,
-                           const run::Context& ctx) {
-  slice::LayerStack out(stack.size());
-  run::parallel_for(ctx, stack.size(), [&](std::size_t i) {
-    out[i].span = stack[i].span;
-    out[i].regions = settings.resolution_mm > 0
-                         ? geom::simplify(stack[i].regions, from_mm(settings.resolution_mm))
-                         : stack[i].regions;
-    if (i == 0 && settings.elephant_foot_mm > 0)
-      out[i].regions = geom::offset(out[i].regions, -from_mm(settings.elephant_foot_mm));
-  });
-  return out;
-}
 
 void add_rings(std::vector<Path>& out, geom::Rings&& rings, const BeadSize& bead) {
   for (auto& ring : rings) {
@@ -50,31 +40,40 @@ void add_rings(std::vector<Path>& out, geom::Rings&& rings, const BeadSize& bead
   }
 }
 
-/// Skirt and brim, on the drafts of the layers that have them.
-void draft_adhesion(std::vector<LayerDraft>& drafts, const slice::LayerStack& stack,
-                    const std::vector<SupportAreas>& supports, const SliceSettings& settings) {
-  geom::Regions footprint = stack[0].regions;
-  footprint = quick_unite(footprint, supports[0].sparse);
-  footprint = quick_unite(footprint, supports[0].interface);
-  const BeadSize first = bead_of_layer(settings, 0, stack[0].span.height_mm());
-  geom::Rings brim = brim_loops(footprint, settings, first);
-  geom::Regions widened = footprint;
-  if (!brim.empty()) widened = geom::offset(footprint, from_mm(settings.brim_width_mm), geom::Join::round);
-  for (std::size_t i = 0;
-       i < drafts.size() && i < static_cast<std::size_t>(std::max(settings.skirt_layers, 0)); ++i) {
-    const BeadSize bead = bead_of_layer(settings, i, stack[i].span.height_mm());
-    add_rings(drafts[i].around, skirt_loops(widened, settings, bead), bead);
+/// Skirt and brim, on the drafts of the layers that have them. `drafts` and `beads` begin with the raft's.
+void draft_adhesion(std::vector<LayerDraft>& drafts, const std::vector<BeadSize>& beads,
+                    const slice::LayerStack& stack, const std::vector<SupportAreas>& supports,
+                    const geom::Regions& footprint, const Raft& raft, const SliceSettings& settings) {
+  geom::Regions around = raft.layers.empty() ? footprint : raft.area;
+  Brim brim = make_brim(footprint, stack[0].regions, settings, beads[0]);
+  if (!brim.loops.empty() || !brim.ears.empty())
+    around =
+        geom::offset(footprint, from_mm(settings.brim_gap_mm + settings.brim_width_mm), geom::Join::round);
+  // A skirt of several layers stays clear of what grows out above the plate.
+  const auto skirts = std::min(drafts.size(), static_cast<std::size_t>(std::max(settings.skirt_layers, 0)));
+  for (std::size_t k = raft.layers.size() + 1; k < skirts; ++k) {
+    const std::size_t i = k - raft.layers.size();
+    append(around, geom::Regions(stack[i].regions));
+    append(around, printed_area(supports[i]));
   }
-  add_rings(drafts[0].around, std::move(brim), first);
+  for (std::size_t k = 0; k < skirts; ++k)
+    add_rings(drafts[k].around, skirt_loops(around, settings, beads[k]), beads[k]);
+  add_rings(drafts[0].around, std::move(brim.loops), beads[0]);
+  for (auto& ear : brim.ears)
+    drafts[0].around.push_back(make_path(Role::skirt_brim, std::move(ear), false, beads[0].width_mm,
+                                         beads[0].height_mm, beads[0].area_mm2()));
 }
 
 }  // namespace
 
 Plan build(const slice::LayerStack& cuts, const PrintSettings& settings, const run::Context& ctx) {
+  if (settings.slice.spiral_vase) return build_vase(cuts, settings, ctx);
   Plan plan;
   const std::size_t n = cuts.size();
   if (n == 0) return plan;
-  const SliceSettings& s = settings.slice;
+  PrintSettings part = settings;
+  part.slice = above_raft(settings.slice);
+  const SliceSettings& s = part.slice;
   slice::LayerStack stack = outlines(cuts, s, ctx);
 
   std::vector<LayerWalls> walls(n);
@@ -89,38 +88,52 @@ Plan build(const slice::LayerStack& cuts, const PrintSettings& settings, const r
   const std::vector<SupportAreas> supports = find_supports(stack, surfaces, s, ctx);
   std::vector<geom::Polylines> lightning(n);
   if (s.infill_pattern == InfillPattern::lightning) lightning = lightning_lines(surfaces, stack, s, ctx);
-  combine_infill(surfaces, stack, settings, ctx);
-  const std::vector<FillDirections> directions = choose_directions(surfaces, settings, ctx);
+  combine_infill(surfaces, stack, part, ctx);
+  const std::vector<FillDirections> directions = choose_directions(surfaces, part, ctx);
   ctx.progress("toolpaths", 0.7);
 
-  std::vector<LayerDraft> drafts(n);
-  std::vector<BeadSize> beads(n);
+  const geom::Regions footprint = quick_unite(stack[0].regions, printed_area(supports[0]));
+  Raft raft = make_raft(footprint, settings.slice);
+  const std::size_t below = raft.layers.size();
+  std::vector<LayerDraft> drafts(below + n);
+  std::vector<BeadSize> beads(below + n);
+  for (std::size_t k = 0; k < below; ++k) {
+    drafts[k].support = std::move(raft.layers[k].lines);
+    beads[k] = raft.layers[k].bead;
+  }
   run::parallel_for(ctx, n, [&](std::size_t i) {
-    beads[i] = walls[i].bead;
-    drafts[i] = draft_layer(stack[i], i, std::move(walls[i]), surfaces[i], directions[i], lightning[i],
-                            supports[i], settings);
+    beads[below + i] = walls[i].bead;
+    drafts[below + i] = draft_layer(stack[i], i, std::move(walls[i]), surfaces[i], directions[i],
+                                    lightning[i], supports[i], part);
   });
-  draft_adhesion(drafts, stack, supports, s);
+  if (below > 0) stand_on_raft(drafts[below].support, settings.slice);
+  draft_adhesion(drafts, beads, stack, supports, footprint, raft, s);
   ctx.progress("toolpaths", 0.9);
 
-  plan.layers.resize(n);
-  Sequencer sequencer(settings);
-  for (std::size_t i = 0; i < n; ++i) {
+  plan.layers.resize(below + n);
+  Sequencer sequencer(part);
+  for (std::size_t k = 0; k < below + n; ++k) {
     ctx.check();
-    plan.layers[i].span = stack[i].span;
-    plan.layers[i].paths = sequencer.order(std::move(drafts[i]), beads[i]);
+    LayerPlan& layer = plan.layers[k];
+    layer.paths = sequencer.order(std::move(drafts[k]), beads[k]);
+    if (k < below) {
+      layer.span = raft.layers[k].span;
+      layer.support = raft.area;
+    } else {
+      layer.span = stack[k - below].span;
+      layer.span.bottom_mm += raft.lift_mm;
+      layer.span.top_mm += raft.lift_mm;
+    }
   }
-  std::vector<geom::Regions> supported(n);
   run::parallel_for(ctx, n, [&](std::size_t i) {
+    LayerPlan& layer = plan.layers[below + i];
     if (i > 0)
-      mark_overhangs(plan.layers[i].paths, stack[i].regions, stack[i - 1].regions, beads[i].width_mm,
+      mark_overhangs(layer.paths, stack[i].regions, stack[i - 1].regions, beads[below + i].width_mm,
                      settings.speed);
-    supported[i] = quick_unite(supports[i].sparse, supports[i].interface);
+    layer.support = printed_area(supports[i]);
   });
-  for (std::size_t i = 0; i < n; ++i) {
-    plan.layers[i].outline = std::move(stack[i].regions);
-    plan.layers[i].support = std::move(supported[i]);
-  }
+  for (std::size_t i = 0; i < n; ++i) plan.layers[below + i].outline = std::move(stack[i].regions);
+  for (Path& path : plan.layers[0].paths) path.area_mm2 *= settings.filament.first_layer_flow;
   ctx.progress("toolpaths", 1.0);
   return plan;
 }

@@ -122,14 +122,16 @@ class Emitter {
   }
 
   void print(const Path& path, const Travel& travel, std::size_t i) {
-    go_to(path.points.front(), travel, plan_.layers[i]);
+    go_to(path, travel, plan_.layers[i]);
     describe(path);
     writer_.acceleration(path_acceleration_mm_s2(path, i, settings_));
     writer_.fan(keeps_speed(path.role) ? pace_.bridge_fan : pace_.fan);
     const double speed = pace_.apply(path_speed_mm_s(path, i, settings_), path.role);
     writer_.unretract();
     const bool arcs = settings_.machine.arcs && settings_.slice.arc_tolerance_mm > 0;
-    if (arcs && path.points.size() > 3) {
+    if (path.rise) {
+      climb(path, speed);
+    } else if (arcs && path.points.size() > 3) {
       extrude_curved(path, speed);
     } else {
       for (std::size_t k = 1; k < path.points.size(); ++k)
@@ -137,6 +139,21 @@ class Emitter {
       if (path.closed) extrude(path, path.points.back(), path.points.front(), speed);
     }
     last_ = &path;
+  }
+
+  /// Each segment has the share of the bead that its middle has.
+  void climb(const Path& path, double speed) {
+    const Rise& rise = *path.rise;
+    const double whole = geom::length(path.points);
+    double along = 0;
+    for (std::size_t k = 1; k < path.points.size(); ++k) {
+      const double length = geom::distance(path.points[k - 1], path.points[k]);
+      const double middle = (along + 0.5 * length) / whole;
+      along += length;
+      const double z = rise.from_mm + (rise.to_mm - rise.from_mm) * along / whole;
+      const double share = rise.share_from + (rise.share_to - rise.share_from) * middle;
+      writer_.climb(path.points[k], z, length / geom::kNmPerMm * path.area_mm2 * share, speed);
+    }
   }
 
   void extrude(const Path& path, const geom::Point& from, const geom::Point& to, double speed) {
@@ -178,9 +195,13 @@ class Emitter {
       writer_.retract();
   }
 
-  void go_to(const geom::Point& to, const Travel& travel, const LayerPlan& layer) {
+  void go_to(const Path& path, const Travel& travel, const LayerPlan& layer) {
+    const geom::Point& to = path.points.front();
     if (travel.retract && writer_.at()) retract_towards(to);
-    if (z_pending_) writer_.layer_height(layer.span.top_mm);
+    if (path.rise)
+      writer_.layer_height(path.rise->from_mm);
+    else if (z_pending_)
+      writer_.layer_height(layer.span.top_mm);
     z_pending_ = false;
     if (writer_.at() && *writer_.at() == to) return;
     if (settings_.acceleration.travel > 0 && settings_.acceleration.print > 0)

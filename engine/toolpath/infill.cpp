@@ -76,20 +76,24 @@ FillLines sparse_fill(const geom::Region& domain, const SliceSettings& settings,
   const double line = bead.spacing_mm();
   const double density = std::clamp(settings.infill_density, 0.0, 1.0);
   if (density <= 0) return {};
+  // At changing heights, lines meet from layer to layer only if their distance stays the same.
+  const double apart =
+      (settings.adaptive_layers ? bead_spacing_mm(settings.line_width_mm, settings.layer_height_mm) : line) /
+      density;
   switch (settings.infill_pattern) {
     case InfillPattern::rectilinear:
-      return lattice(domain, angle, line / density, line);
+      return lattice(domain, angle, apart, line);
     case InfillPattern::grid: {
-      FillLines out = lattice(domain, angle, 2 * line / density, line);
-      FillLines across = lattice(domain, angle + pi / 2, 2 * line / density, line);
+      FillLines out = lattice(domain, angle, 2 * apart, line);
+      FillLines across = lattice(domain, angle + pi / 2, 2 * apart, line);
       out.lines.insert(out.lines.end(), std::make_move_iterator(across.lines.begin()),
                        std::make_move_iterator(across.lines.end()));
       return out;
     }
     case InfillPattern::concentric:
-      return concentric(domain, line / density, line);
+      return concentric(domain, apart, line);
     case InfillPattern::gyroid:
-      return gyroid(domain, span.cut_mm(), kGyroidLengthDensity * line / density, line);
+      return gyroid(domain, span.cut_mm(), kGyroidLengthDensity * apart, line);
     case InfillPattern::lightning:
       break;
   }

@@ -28,6 +28,14 @@ enum class Role {
 /// "External perimeter", "Internal infill", ...
 std::string_view type_name(Role role);
 
+/// A path that climbs: z and the share of the bead's cross-section change evenly along its length.
+struct Rise {
+  double from_mm = 0;  ///< nozzle height at the path's first point
+  double to_mm = 0;
+  double share_from = 1;
+  double share_to = 1;
+};
+
 /// One continuous extrusion at constant width and height. Points in plate coordinates, nm. A closed path
 /// ends where it began (the first point is not repeated).
 struct Path {
@@ -39,6 +47,7 @@ struct Path {
   /// Bead cross-section, mm²: volume per length before the filament's flow factor.
   double area_mm2 = 0;
   double max_speed_mm_s = 0;  ///< beside the role's; 0: no limit of its own
+  std::optional<Rise> rise;  ///< absent: level, at the layer's top, with the whole cross-section
 };
 
 /// Everything printed at one height, in printing order. Travels between paths are added by emit().

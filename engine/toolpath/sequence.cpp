@@ -3,6 +3,7 @@
 #include "engine/toolpath/order.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace voidpath::toolpath {
 
@@ -100,10 +101,13 @@ void Sequencer::print_island(IslandDraft&& island, const BeadSize& bead) {
 std::vector<Path> Sequencer::order_islands(LayerDraft&& draft, const BeadSize& bead, bool as_loops) {
   out_.clear();
   seams_.begin_layer();
-  for (Path& p : draft.around) {
-    p.points = start_at(p.points, nearest_vertex(p.points, at_));
-    print(std::move(p));
-  }
+  // Loops in the order given, then what is open in any.
+  const auto open =
+      std::stable_partition(draft.around.begin(), draft.around.end(), [](const Path& p) { return p.closed; });
+  std::vector<Path> ears(std::make_move_iterator(open), std::make_move_iterator(draft.around.end()));
+  draft.around.erase(open, draft.around.end());
+  for (Path& p : draft.around) print_fill(std::move(p), false);
+  print_any(std::move(ears));
   std::vector<Stop> stops;
   for (const auto& island : draft.islands) stops.push_back(stop_of(island, as_loops));
   for (Path& p : draft.support) stops.push_back(stop_of(p));

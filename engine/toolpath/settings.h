@@ -12,12 +12,18 @@ enum class SolidPattern { rectilinear, concentric, fermat };
 /// or one for each solid layer.
 enum class InfillDirection { fixed, part, layer };
 enum class SupportMode { none, plate, everywhere };
+enum class SupportStyle { grid, tree };
+enum class BrimType { outer, inner, both, ears };
 enum class SeamPosition { nearest, aligned, rear };
 
 /// What to build. Keys of the quality profile's `slice:` section; mm and degrees.
 struct SliceSettings {
   double layer_height_mm = 0.2;
   double first_layer_height_mm = 0.2;
+  bool adaptive_layers = false;  ///< heights between the two limits instead of layer_height_mm
+  double min_layer_height_mm = 0.08;
+  double max_layer_height_mm = 0.28;
+  double adaptive_error_mm = 0.03;  ///< mean distance of a layer's steps from the surface, along its normal
   double line_width_mm = 0.45;
   double first_layer_line_width_mm = 0.45;
   int perimeters = 2;
@@ -39,16 +45,31 @@ struct SliceSettings {
   double bridge_flow = 1.0;               ///< of a bridge's strand, a round one of the nozzle's width
   SeamPosition seam = SeamPosition::nearest;
   SupportMode support = SupportMode::everywhere;
+  SupportStyle support_style = SupportStyle::grid;
   double support_angle_deg = 45;  ///< from vertical: what leans out further is supported
   double support_density = 0.15;
   double support_xy_gap_mm = 0.5;
   double support_z_gap_mm = 0.2;
   int support_interface_layers = 2;
+  double tree_tip_diameter_mm = 0.8;
+  double tree_tip_distance_mm = 3.0;     ///< between neighbouring tips
+  double tree_branch_diameter_mm = 5.0;  ///< no branch gets thicker
+  double tree_branch_angle_deg = 40;     ///< from vertical: branches lean out no further
   int skirt_loops = 1;
   double skirt_gap_mm = 3.0;
   int skirt_layers = 1;
+  BrimType brim_type = BrimType::outer;
   double brim_width_mm = 0;
+  double brim_gap_mm = 0;           ///< between part and brim
+  double brim_ear_angle_deg = 125;  ///< convex corners up to this get an ear
+  int raft_layers = 0;              ///< in all; 0: no raft
+  int raft_interface_layers = 2;    ///< the top ones of them, dense
+  double raft_margin_mm = 3;        ///< beyond part and supports
+  double raft_gap_mm = 0.15;        ///< air between raft and part
   double elephant_foot_mm = 0.0;    ///< first layer shrinks by this
+  double xy_compensation_mm = 0;    ///< outer contours grow by this
+  double hole_compensation_mm = 0;  ///< holes widen by this
+  bool spiral_vase = false;         ///< above the bottom layers one wall that climbs all the way
   double resolution_mm = 0.0125;    ///< toolpaths are simplified to this
   double arc_tolerance_mm = 0.025;  ///< how far G2 and G3 may leave the toolpath, where the machine has them
   double min_infill_area_mm2 = 3;   ///< smaller sparse areas are filled solid
@@ -118,7 +139,8 @@ struct Filament {
   std::string name = "PLA";
   double diameter_mm = 1.75;
   double density_g_cm3 = 1.24;
-  double flow = 1.0;  ///< extrusion multiplier
+  double flow = 1.0;              ///< extrusion multiplier
+  double first_layer_flow = 1.0;  ///< and this one on top of it
   double nozzle_c = 210;
   double nozzle_first_layer_c = 215;
   double bed_c = 60;

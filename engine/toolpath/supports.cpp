@@ -171,6 +171,10 @@ class Builder {
 
 }  // namespace
 
+Regions printed_area(const SupportAreas& areas) {
+  return quick_unite(quick_unite(areas.sparse, areas.interface), areas.branches);
+}
+
 std::vector<SupportAreas> find_supports(const slice::LayerStack& stack, const std::vector<Surfaces>& surfaces,
                                         const SliceSettings& settings, const run::Context& ctx) {
   if (settings.support == SupportMode::none || stack.empty()) return std::vector<SupportAreas>(stack.size());

@@ -17,7 +17,11 @@ inline constexpr double kInterfaceDensity = 0.8;
 struct SupportAreas {
   geom::Regions sparse;
   geom::Regions interface;  ///< dense, right below what is held
+  geom::Regions branches;   ///< of trees: hollow, with a wall of their own
 };
+
+/// All of it together.
+geom::Regions printed_area(const SupportAreas& areas);
 
 /// Columns below every overhang that leans out more than the settings' angle and is not bridged, one per
 /// layer of the stack. They keep the xy gap beside the part and the z gap above and below it.

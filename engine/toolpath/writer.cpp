@@ -76,6 +76,15 @@ void Writer::put_feed(double mm_s) {
   put_scaled(text_, feed, 0);
 }
 
+void Writer::put_z(double z_mm) {
+  z_mm_ = z_mm;
+  const std::int64_t z = std::llround(z_mm * 1000);
+  if (z_um_ == z) return;
+  z_um_ = z;
+  text_ += " Z";
+  put_scaled(text_, z, kLengthDecimals);
+}
+
 void Writer::move_z(double z_mm) {
   const std::int64_t z = std::llround(z_mm * 1000);
   if (z_um_ == z) return;
@@ -183,6 +192,15 @@ double Writer::filament_for(double volume_mm3) {
 }
 
 void Writer::extrude(const geom::Point& to, double volume_mm3, double speed_mm_s) {
+  put_extrusion(to, {}, volume_mm3, speed_mm_s);
+}
+
+void Writer::climb(const geom::Point& to, double z_mm, double volume_mm3, double speed_mm_s) {
+  put_extrusion(to, z_mm, volume_mm3, speed_mm_s);
+}
+
+void Writer::put_extrusion(const geom::Point& to, std::optional<double> z_mm, double volume_mm3,
+                           double speed_mm_s) {
   const double filament = filament_for(volume_mm3);
   if (x_um_ == to_um(to.x) &&
       y_um_ == to_um(to.y)) {  // less than the last digit: its material goes to the next move
@@ -192,6 +210,7 @@ void Writer::extrude(const geom::Point& to, double volume_mm3, double speed_mm_s
   }
   text_ += "G1";
   put_xy(to);
+  if (z_mm) put_z(*z_mm);
   put_e(filament);
   put_feed(speed_mm_s);
   text_ += '\n';

@@ -37,6 +37,8 @@ class Writer {
   /// The same along an arc about `centre`.
   void extrude_arc(const geom::Point& to, const geom::Point& centre, bool clockwise, double volume_mm3,
                    double speed_mm_s);
+  /// The same while the nozzle rises to `z_mm`, where it prints from then on.
+  void climb(const geom::Point& to, double z_mm, double volume_mm3, double speed_mm_s);
   void fan(double share);
   void acceleration(double mm_s2);
   void temperature(int code, double celsius);
@@ -52,8 +54,10 @@ class Writer {
   void put_retraction(double filament_mm);
   void lift();
   void put_xy(const geom::Point& to);
+  void put_z(double z_mm);
   void put_e(double filament_mm);
   void put_feed(double mm_s);
+  void put_extrusion(const geom::Point& to, std::optional<double> z_mm, double volume_mm3, double speed_mm_s);
 
   const PrintSettings& settings_;
   double filament_mm2_;

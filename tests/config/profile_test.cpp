@@ -139,6 +139,46 @@ TEST_CASE("errors name file, line and the nearest valid key") {
              Catch::Contains("section.key=value"));
 }
 
+TEST_CASE("layers, plate and vase have keys, and what contradicts itself is refused") {
+  const Profile p = load_profile("generic-marlin", {{"slice.adaptive_layers", "true"},
+                                                    {"slice.min_layer_height_mm", "0.1"},
+                                                    {"slice.max_layer_height_mm", "0.3"},
+                                                    {"slice.adaptive_error_mm", "0.02"},
+                                                    {"slice.brim_type", "ears"},
+                                                    {"slice.brim_gap_mm", "0.1"},
+                                                    {"slice.brim_ear_angle_deg", "110"},
+                                                    {"slice.raft_layers", "3"},
+                                                    {"slice.raft_interface_layers", "1"},
+                                                    {"slice.raft_margin_mm", "4"},
+                                                    {"slice.raft_gap_mm", "0.2"},
+                                                    {"slice.xy_compensation_mm", "-0.05"},
+                                                    {"slice.hole_compensation_mm", "0.1"},
+                                                    {"slice.spiral_vase", "true"},
+                                                    {"filament.first_layer_flow", "1.05"}});
+  const auto& s = p.print.slice;
+  CHECK(s.adaptive_layers);
+  CHECK(s.min_layer_height_mm == 0.1);
+  CHECK(s.max_layer_height_mm == 0.3);
+  CHECK(s.adaptive_error_mm == 0.02);
+  CHECK(s.brim_type == toolpath::BrimType::ears);
+  CHECK(s.brim_gap_mm == 0.1);
+  CHECK(s.brim_ear_angle_deg == 110);
+  CHECK(s.raft_layers == 3);
+  CHECK(s.raft_interface_layers == 1);
+  CHECK(s.raft_margin_mm == 4);
+  CHECK(s.raft_gap_mm == 0.2);
+  CHECK(s.xy_compensation_mm == -0.05);
+  CHECK(s.hole_compensation_mm == 0.1);
+  CHECK(s.spiral_vase);
+  CHECK(p.print.filament.first_layer_flow == 1.05);
+  const auto refused = [](std::vector<std::pair<std::string, std::string>> set) {
+    set.emplace_back("slice.adaptive_layers", "true");
+    return error_of([&] { load_profile("generic-marlin", set); });
+  };
+  CHECK_THAT(refused({{"slice.min_layer_height_mm", "0.3"}}), Catch::Contains("larger than slice.max_layer"));
+  CHECK_THAT(refused({{"slice.max_layer_height_mm", "0.42"}}), Catch::Contains("larger than machine.nozzle_mm"));
+}
+
 TEST_CASE("the shipped daemon configuration is valid and says what the defaults are") {
   const DaemonConfig c = load_daemon(fs::path(VOIDPATH_SOURCE_DIR) / "config/voidpath.yaml");
   const DaemonConfig defaults;

@@ -1,7 +1,9 @@
 #include "engine/toolpath/adhesion.h"
 
+#include "engine/toolpath/brim.h"
 #include "tests/engine/toolpath/shapes.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <catch2/catch.hpp>
@@ -46,6 +48,98 @@ TEST_CASE("the brim lies outside, wall to wall, and in no hole") {
   const auto band = geom::subtract(geom::offset(filled, from_mm(3.6), geom::Join::round), filled);
   CHECK(geom::to_mm2(geom::area(geom::subtract(band, brim))) < 0.02 * geom::to_mm2(geom::area(band)));
   CHECK(count(plan.layers[1], Role::skirt_brim) == 0);
+}
+
+TEST_CASE("the brim lies where its type says") {
+  geom::Region plate = rectangle(50, 50, 90, 90);
+  geom::Ring hole = rectangle(60, 60, 80, 80).outer;
+  geom::reverse(hole);
+  plate.holes.push_back(hole);
+  const geom::Regions part{plate};
+  const geom::Regions filled{rectangle(50, 50, 90, 90)};
+  toolpath::SliceSettings s;
+  s.brim_width_mm = 4;
+  s.brim_gap_mm = 0.1;
+  const toolpath::BeadSize bead{0.45, 0.2};
+  auto loops = [&](toolpath::BrimType type) {
+    s.brim_type = type;
+    return toolpath::make_brim(part, part, s, bead).loops;
+  };
+  auto inside = [&](const geom::Rings& rings) {
+    return std::count_if(rings.begin(), rings.end(),
+                         [&](const geom::Ring& r) { return geom::contains(filled[0], r.front()); });
+  };
+  const auto outer = loops(toolpath::BrimType::outer);
+  const auto inner = loops(toolpath::BrimType::inner);
+  const auto both = loops(toolpath::BrimType::both);
+  CHECK(outer.size() == 9);  // 4 mm / 0.407 mm
+  CHECK(inside(outer) == 0);
+  CHECK(inner.size() == 9);
+  CHECK(inside(inner) == 9);
+  CHECK(both.size() == 18);
+  for (const auto& ring : both) {
+    const geom::Polyline line = [&] {
+      geom::Polyline l = ring;
+      l.push_back(ring.front());
+      return l;
+    }();
+    CHECK(geom::clip_inside({line}, geom::offset(part, from_mm(0.1 + 0.18), geom::Join::round)).empty());
+  }
+}
+
+TEST_CASE("ears sit at sharp convex corners alone") {
+  // A hexagon has inner angles of 120°, an octagon of 135°; an L has five convex corners.
+  auto polygon = [](int sides) {
+    return geom::Regions{{geom::make_circle({from_mm(80), from_mm(80)}, from_mm(20), sides), {}}};
+  };
+  CHECK(toolpath::sharp_corners(polygon(6), 125).size() == 6);
+  CHECK(toolpath::sharp_corners(polygon(8), 125).empty());
+  CHECK(toolpath::sharp_corners(polygon(8), 140).size() == 8);
+  CHECK(toolpath::sharp_corners(polygon(128), 140).empty());
+  const auto el = geom::unite({rectangle(0, 0, 40, 10)}, {rectangle(0, 0, 10, 40)});
+  CHECK(toolpath::sharp_corners(el, 125).size() == 5);
+
+  toolpath::PrintSettings s = bare_settings();
+  s.slice.brim_type = toolpath::BrimType::ears;
+  s.slice.brim_width_mm = 5;
+  const auto stack = stack_of(1, 0.2, [](double) { return geom::Regions{rectangle(50, 50, 90, 90)}; });
+  const auto plan = toolpath::build(stack, s);
+  CHECK(count(plan.layers[0], Role::skirt_brim) == 4);  // each in one go
+  const auto ears = covered(
+      plan.layers[0], [](const auto& p) { return p.role == Role::skirt_brim; }, 0.02);
+  geom::Rings discs;
+  for (const double x : {50.0, 90.0})
+    for (const double y : {50.0, 90.0})
+      discs.push_back(geom::make_circle({from_mm(x), from_mm(y)}, from_mm(5)));
+  const auto wanted = geom::subtract(geom::unite(discs), stack[0].regions);
+  CHECK(geom::area(geom::subtract(wanted, ears)) < 0.1 * geom::area(wanted));
+  CHECK(geom::area(geom::subtract(ears, geom::offset(wanted, from_mm(0.3)))) < 0.01 * geom::area(wanted));
+}
+
+TEST_CASE("a tall skirt stays clear of what leans out above the plate") {
+  toolpath::PrintSettings s = bare_settings();
+  s.slice.skirt_loops = 1;
+  s.slice.skirt_layers = 30;
+  const auto stack = cone_stack(5, 6, 12);
+  const auto plan = toolpath::build(stack, s);
+  for (std::size_t i = 0; i < 30; ++i) {
+    REQUIRE(count(plan.layers[i], Role::skirt_brim) == 1);
+    for (const auto& p : plan.layers[i].paths)
+      if (p.role == Role::skirt_brim)
+        CHECK(geom::clip_inside({line_of(p)}, geom::offset(stack[i].regions, from_mm(2.9), geom::Join::round))
+                  .empty());
+  }
+}
+
+TEST_CASE("the first layer's flow is its own") {
+  toolpath::PrintSettings s = bare_settings();
+  const auto plain = toolpath::build(box_stack(20, 20, 1), s);
+  s.filament.first_layer_flow = 1.1;
+  const auto more = toolpath::build(box_stack(20, 20, 1), s);
+  for (std::size_t i = 0; i < plain.layers.size(); ++i)
+    for (std::size_t k = 0; k < plain.layers[i].paths.size(); ++k)
+      CHECK(more.layers[i].paths[k].area_mm2 ==
+            Approx(plain.layers[i].paths[k].area_mm2 * (i == 0 ? 1.1 : 1.0)));
 }
 
 TEST_CASE("the elephant's foot is taken off the first layer alone") {

@@ -1,0 +1,153 @@
+#include "engine/toolpath/spiral_vase.h"
+
+#include "engine/toolpath/emit.h"
+#include "engine/toolpath/perimeters.h"
+#include "tests/engine/toolpath/shapes.h"
+
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+#include <catch2/catch.hpp>
+
+using namespace voidpath;
+using namespace voidpath::test;
+using geom::from_mm;
+using toolpath::Role;
+
+namespace {
+
+toolpath::PrintSettings vase_settings() {
+  toolpath::PrintSettings s = bare_settings();
+  s.slice.spiral_vase = true;
+  s.slice.bottom_layers = 3;
+  return s;
+}
+
+double printed_mm3(const toolpath::Path& p) {
+  return volume_mm3(p) * (p.rise ? 0.5 * (p.rise->share_from + p.rise->share_to) : 1.0);
+}
+
+/// One foot that parts into two arms.
+slice::LayerStack fork_stack() {
+  return stack_of(8, 0.2, [](double z) {
+    if (z < 3 || z > 6) return geom::Regions{rectangle(50, 50, 80, 60)};
+    return geom::Regions{rectangle(50, 50, 60, 60), rectangle(70, 50, 80, 60)};
+  });
+}
+
+}  // namespace
+
+TEST_CASE("a vase is one line from its floor to its rim") {
+  for (const auto& stack : {cone_stack(10, 12, 14), cone_stack(14, 12, 10), box_stack(20, 30, 12)}) {
+    const auto plan = toolpath::build(stack, vase_settings());
+    REQUIRE(plan.layers.size() == stack.size());
+    const geom::Point* at = nullptr;
+    double z = 0;
+    for (std::size_t i = 3; i < plan.layers.size(); ++i) {
+      const auto& paths = plan.layers[i].paths;
+      const bool last = i + 1 == plan.layers.size();
+      REQUIRE(paths.size() == (last ? 2u : 1u));
+      for (const auto& p : paths) {
+        CAPTURE(i);
+        REQUIRE(p.rise);
+        CHECK_FALSE(p.closed);
+        if (at != nullptr) {
+          CHECK(*at == p.points.front());
+          CHECK(z == Approx(p.rise->from_mm));
+        }
+        at = &p.points.back();
+        z = p.rise->to_mm;
+      }
+    }
+    CHECK(z == Approx(stack.back().span.top_mm));
+    for (std::size_t i = 0; i < 3; ++i)
+      for (const auto& p : plan.layers[i].paths) CHECK_FALSE(p.rise);
+  }
+}
+
+TEST_CASE("a vase's wall holds its contour times its height of plastic, evenly") {
+  const auto stack = box_stack(20, 30, 12);
+  const auto s = vase_settings();
+  const auto plan = toolpath::build(stack, s);
+  double volume = 0;
+  for (std::size_t i = 3; i < plan.layers.size(); ++i)
+    for (const auto& p : plan.layers[i].paths) volume += printed_mm3(p);
+  const toolpath::BeadSize bead{s.slice.line_width_mm, 0.2};
+  const double around = 2 * (20 + 30 - 2 * s.slice.line_width_mm);
+  CHECK(volume == Approx(around * bead.area_mm2() * static_cast<double>(stack.size() - 3)).epsilon(1e-4));
+  const auto& first = *plan.layers[3].paths[0].rise;
+  CHECK(first.share_from == 0);
+  CHECK(first.share_to == 1);
+  CHECK(plan.layers[4].paths[0].rise->share_from == Approx(1));
+  CHECK(plan.layers.back().paths[1].rise->share_to == 0);
+}
+
+TEST_CASE("a vase's rounds pass into one another without a step") {
+  const auto stack = cone_stack(10, 8, 14, 64);  // 0.1 mm out per layer
+  const auto plan = toolpath::build(stack, vase_settings());
+  const geom::Point middle{from_mm(80), from_mm(80)};
+  for (std::size_t i = 4; i < plan.layers.size(); ++i) {
+    const auto& p = plan.layers[i].paths[0];
+    double along = 0;
+    const double whole = geom::length(p.points);
+    for (std::size_t k = 0; k < p.points.size(); ++k) {
+      if (k > 0) along += geom::distance(p.points[k - 1], p.points[k]);
+      const double z = p.rise->from_mm + along / whole * (p.rise->to_mm - p.rise->from_mm);
+      // Corners of the 64-gon lie on the cone; its wall half a line inside.
+      const double radius = 10 + 4 * (z - 0.1) / 8 - 0.5 * 0.45;
+      const double sag = radius * (1 - std::cos(std::numbers::pi / 64));
+      CHECK(geom::distance(p.points[k], middle) / geom::kNmPerMm ==
+            Approx(radius).margin(sag + 0.02));
+    }
+  }
+}
+
+TEST_CASE("layers with several contours print as closed loops, and the spiral begins anew") {
+  const auto plan = toolpath::build(fork_stack(), vase_settings());
+  std::size_t loops = 0;
+  for (const auto& layer : plan.layers) {
+    if (layer.outline.size() != 2) continue;
+    ++loops;
+    REQUIRE(layer.paths.size() == 2);
+    for (const auto& p : layer.paths) {
+      CHECK(p.closed);
+      CHECK_FALSE(p.rise);
+    }
+  }
+  CHECK(loops == 15);
+  CHECK(plan.layers[14].paths.size() == 2);  // round and rim
+  CHECK(plan.layers[14].paths[1].rise->share_to == 0);
+  CHECK(plan.layers[30].paths[0].rise->share_from == 0);
+}
+
+TEST_CASE("a vase's G-code climbs without a retraction") {
+  auto s = vase_settings();
+  s.slice.bottom_layers = 2;
+  std::ostringstream out;
+  toolpath::emit(toolpath::build(cone_stack(10, 6, 13), s), s, "", out);
+  std::istringstream in(out.str());
+  int layer = 0;
+  double z = 0;
+  double last_z = 0;
+  std::size_t climbing = 0;
+  double negative = 0;
+  for (std::string line; std::getline(in, line);) {
+    if (line.rfind(";LAYER_CHANGE", 0) == 0) ++layer;
+    if (layer < 4 || line.rfind("G1", 0) != 0) continue;
+    const auto at = line.find(" Z");
+    const auto e = line.find(" E");
+    if (at != std::string::npos) {
+      z = std::stod(line.substr(at + 2));
+      CHECK(z >= last_z);
+      last_z = z;
+      if (e != std::string::npos && line.find(" X") != std::string::npos) ++climbing;
+    }
+    if (layer < 30 && e != std::string::npos) negative = std::min(negative, std::stod(line.substr(e + 2)));
+    if (layer < 30) CHECK(e != std::string::npos);  // never travels
+  }
+  CHECK(layer == 30);
+  CHECK(z == Approx(6));
+  CHECK(climbing > 26 * 40);
+  CHECK(negative == 0);
+}
