@@ -91,11 +91,16 @@ void visit_supports(V& s, toolpath::SliceSettings& x) {
   using toolpath::SupportStyle;
   s.choice("support", x.support,
            {{"none", SupportMode::none}, {"plate", SupportMode::plate}, {"everywhere", SupportMode::everywhere}});
+  s.choice("support_style", x.support_style, {{"grid", SupportStyle::grid}, {"tree", SupportStyle::tree}});
   s.number("support_angle_deg", x.support_angle_deg, {0, 90});
   s.number("support_density", x.support_density, kShare);
   s.number("support_xy_gap_mm", x.support_xy_gap_mm, {0, 10});
   s.number("support_z_gap_mm", x.support_z_gap_mm, {0, 5});
   s.integer("support_interface_layers", x.support_interface_layers, {0, 100});
+  s.number("tree_tip_diameter_mm", x.tree_tip_diameter_mm, {0.2, 5});
+  s.number("tree_tip_distance_mm", x.tree_tip_distance_mm, {0.5, 50});
+  s.number("tree_branch_diameter_mm", x.tree_branch_diameter_mm, {0.4, 50});
+  s.number("tree_branch_angle_deg", x.tree_branch_angle_deg, {5, 75});
 }
 
 /// Between part and plate: skirt, brim, raft, the first layer's outline.

@@ -26,6 +26,8 @@ constexpr double kMinRestMm2 = 4.0;
 constexpr double kLineToleranceMm = 0.05;
 /// An area that is narrow by more than this share needs no lines across.
 constexpr double kAllNarrow = 0.9;
+/// Branches whose middle is further than this from their border get a second wall, mm.
+constexpr double kThickBranchMm = 1.6;
 /// Borders of columns may be this much plainer than the column, mm.
 constexpr double kBorderToleranceMm = 0.1;
 
@@ -56,6 +58,27 @@ Regions narrow_parts(const geom::Region& area, double apart_mm, double line_mm) 
                             kMinRestMm2 * kMm2);
 }
 
+/// Branches of trees: a wall, two where they are thick, and lines across on the plate.
+void add_branches(std::vector<Path>& out, const Regions& branches, bool on_plate, const BeadSize& bead,
+                  double tolerance_mm) {
+  const double spacing = bead.spacing_mm();
+  for (const auto& region : branches) {
+    const Regions wall = geom::offset({region}, -from_mm(0.5 * bead.width_mm));
+    if (wall.empty()) {
+      add_border(out, region, bead, tolerance_mm);
+      continue;
+    }
+    add_fill(out, Role::support, {geom::rings_of(wall), true, spacing}, bead, tolerance_mm);
+    const Regions inside = geom::offset(wall, -from_mm(spacing));
+    if (!geom::offset({region}, -from_mm(kThickBranchMm)).empty())
+      add_fill(out, Role::support, {geom::rings_of(inside), true, spacing}, bead, tolerance_mm);
+    if (!on_plate) continue;
+    const double apart = spacing / kFirstLayerDensity;
+    Hatch h = hatch(geom::offset(inside, -from_mm(spacing)), {0.0, apart, false, kLinkSpacings * apart});
+    add_fill(out, Role::support, {std::move(h.lines), false, spacing}, bead, tolerance_mm);
+  }
+}
+
 }  // namespace
 
 std::vector<Path> support_lines(const SupportAreas& areas, std::size_t layer, const BeadSize& bead,
@@ -79,6 +102,7 @@ std::vector<Path> support_lines(const SupportAreas& areas, std::size_t layer, co
   const double density =
       layer == 0 ? std::max(settings.support_density, kFirstLayerDensity) : settings.support_density;
   fill(areas.sparse, density, 0.0, Role::support);
+  add_branches(out, areas.branches, layer == 0, bead, tolerance);
   fill(areas.interface, kInterfaceDensity, std::numbers::pi / 2, Role::support_interface);
   return out;
 }

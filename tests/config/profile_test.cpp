@@ -154,6 +154,11 @@ TEST_CASE("layers, plate and vase have keys, and what contradicts itself is refu
                                                     {"slice.xy_compensation_mm", "-0.05"},
                                                     {"slice.hole_compensation_mm", "0.1"},
                                                     {"slice.spiral_vase", "true"},
+                                                    {"slice.support_style", "tree"},
+                                                    {"slice.tree_tip_diameter_mm", "1"},
+                                                    {"slice.tree_tip_distance_mm", "4"},
+                                                    {"slice.tree_branch_diameter_mm", "6"},
+                                                    {"slice.tree_branch_angle_deg", "30"},
                                                     {"filament.first_layer_flow", "1.05"}});
   const auto& s = p.print.slice;
   CHECK(s.adaptive_layers);
@@ -170,6 +175,11 @@ TEST_CASE("layers, plate and vase have keys, and what contradicts itself is refu
   CHECK(s.xy_compensation_mm == -0.05);
   CHECK(s.hole_compensation_mm == 0.1);
   CHECK(s.spiral_vase);
+  CHECK(s.support_style == toolpath::SupportStyle::tree);
+  CHECK(s.tree_tip_diameter_mm == 1);
+  CHECK(s.tree_tip_distance_mm == 4);
+  CHECK(s.tree_branch_diameter_mm == 6);
+  CHECK(s.tree_branch_angle_deg == 30);
   CHECK(p.print.filament.first_layer_flow == 1.05);
   const auto refused = [](std::vector<std::pair<std::string, std::string>> set) {
     set.emplace_back("slice.adaptive_layers", "true");

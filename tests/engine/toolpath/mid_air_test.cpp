@@ -130,11 +130,14 @@ TEST_CASE("nothing is printed in mid-air but strands between two held ends") {
   for (const auto& stack : {arch_stack(20, 10, 6, 2, 4), arch_stack(16, 10, 6, 2, 2), cup_stack(30, 5, 2, 1),
                             cone_stack(3, 6, 8), cone_stack(3, 6, 16), cone_stack(16, 6, 3)})
     stacks.push_back(stack);
-  for (std::size_t k = 0; k < stacks.size(); ++k) {
-    const auto plan = toolpath::build(stacks[k], s);
-    for (std::size_t i = 1; i < plan.layers.size(); ++i) {
-      CAPTURE(k, i);
-      CHECK(loose_mm(plan, i, s.slice) < 1.0);
+  for (const auto style : {toolpath::SupportStyle::grid, toolpath::SupportStyle::tree}) {
+    s.slice.support_style = style;
+    for (std::size_t k = 0; k < stacks.size(); ++k) {
+      const auto plan = toolpath::build(stacks[k], s);
+      for (std::size_t i = 1; i < plan.layers.size(); ++i) {
+        CAPTURE(static_cast<int>(style), k, i);
+        CHECK(loose_mm(plan, i, s.slice) < 1.0);
+      }
     }
   }
 }

@@ -1,0 +1,98 @@
+#include "engine/toolpath/support_tree.h"
+
+#include "engine/geom/polygon_ops.h"
+#include "engine/run/parallel_for.h"
+#include "engine/toolpath/region_ops.h"
+#include "engine/toolpath/support_columns.h"
+#include "engine/toolpath/tree_grow.h"
+#include "engine/toolpath/tree_room.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace voidpath::toolpath {
+
+namespace {
+
+using geom::from_mm;
+using geom::Regions;
+
+constexpr int kSides = 24;
+/// Roofs are simplified to this, mm.
+constexpr double kRoofToleranceMm = 0.05;
+/// Roofs smaller than this hold nothing, mm².
+constexpr double kMinRoofMm2 = 0.5;
+/// Branches thinner than this are not printed, in line widths.
+constexpr double kMinBranchWidths = 0.9;
+/// Sections thinner than this are left to their neighbours above and below, mm of radius.
+constexpr double kMinRadiusMm = 0.1;
+constexpr double kMm2 = geom::kNmPerMm * geom::kNmPerMm;
+
+/// The contact's part that has room in all layers from `low` up to its own.
+Regions roof_of(const SupportTask& task, std::size_t contact, std::size_t low, const SliceSettings& s) {
+  Regions out = geom::simplify(task.contact[contact], from_mm(kRoofToleranceMm));
+  for (std::size_t k = contact + 1; k-- > low;)
+    if (k == contact || task.forbidden[k] != task.forbidden[k + 1])
+      out = quick_subtract(out, task.forbidden[k]);
+  return geom::remove_small(geom::open(out, from_mm(0.5 * s.line_width_mm)), kMinRoofMm2 * kMm2);
+}
+
+Regions outline_of(const std::vector<BranchSection>& sections) {
+  geom::Rings discs;
+  for (const auto& section : sections)
+    if (section.radius_mm >= kMinRadiusMm)
+      discs.push_back(geom::make_circle(section.centre, from_mm(section.radius_mm), kSides));
+  return geom::unite(discs);
+}
+
+}  // namespace
+
+std::vector<SupportAreas> support_trees(const slice::LayerStack& stack, const SupportTask& task,
+                                        const SliceSettings& settings, const run::Context& ctx) {
+  const std::size_t n = stack.size();
+  std::vector<SupportAreas> out(n);
+  const auto roofs = static_cast<std::size_t>(std::max(settings.support_interface_layers, 0));
+  std::size_t top = n;
+  while (top > 0 && task.contact[top - 1].empty()) --top;
+  if (top == 0) return out;
+
+  // A roof lies in `roofs` layers from its contact down, and what holds it begins below.
+  std::vector<Regions> roof(top);
+  run::parallel_for(ctx, top, [&](std::size_t c) {
+    if (!task.contact[c].empty())
+      roof[c] = roof_of(task, c, c + 1 > roofs ? c + 1 - std::max<std::size_t>(roofs, 1) : 0, settings);
+  });
+  std::vector<Regions> held(top);
+  for (std::size_t c = roofs; c < top; ++c) held[c - roofs] = roof[c];
+  const TreeRoom room(stack, task, top - 1, settings, ctx);
+  Branches branches = grow_branches(held, stack, room, settings, ctx);
+
+  run::parallel_for(ctx, top, [&](std::size_t i) {
+    SupportAreas& areas = out[i];
+    for (std::size_t c = i; c < std::min(top, i + roofs); ++c)
+      areas.interface = quick_unite(areas.interface, roof[c]);
+    areas.interface = quick_subtract(areas.interface, task.forbidden[i]);
+    areas.branches = quick_subtract(outline_of(branches.sections[i]), task.forbidden[i]);
+    // What is left of a branch beside a roof may be a sliver.
+    areas.branches = geom::open(quick_subtract(areas.branches, areas.interface),
+                                from_mm(0.5 * kMinBranchWidths * settings.line_width_mm));
+  });
+
+  SupportTask rest;
+  for (std::size_t i = 0; i < top; ++i)
+    if (!branches.unheld[i].empty()) {
+      rest.contact.resize(n);
+      append(rest.contact[i + roofs], std::move(branches.unheld[i]));
+    }
+  if (rest.empty()) return out;
+  rest.forbidden = task.forbidden;
+  const std::vector<SupportAreas> columns = support_columns(rest, settings, ctx);
+  run::parallel_for(ctx, top, [&](std::size_t i) {
+    out[i].interface = quick_unite(out[i].interface, columns[i].interface);
+    out[i].branches = quick_subtract(out[i].branches, columns[i].interface);
+    out[i].sparse = quick_subtract(columns[i].sparse, quick_unite(out[i].interface, out[i].branches));
+  });
+  return out;
+}
+
+}  // namespace voidpath::toolpath
