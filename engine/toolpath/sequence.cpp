@@ -106,7 +106,7 @@ std::vector<Path> Sequencer::order_islands(LayerDraft&& draft, const BeadSize& b
       std::stable_partition(draft.around.begin(), draft.around.end(), [](const Path& p) { return p.closed; });
   std::vector<Path> ears(std::make_move_iterator(open), std::make_move_iterator(draft.around.end()));
   draft.around.erase(open, draft.around.end());
-  for (Path& p : draft.around) print_fill(std::move(p), false);
+  for (Path& p : draft.around) print_fill(std::move(p), Visit{0, false, at_});
   print_any(std::move(ears));
   std::vector<Stop> stops;
   for (const auto& island : draft.islands) stops.push_back(stop_of(island, as_loops));

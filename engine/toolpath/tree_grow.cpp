@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 namespace voidpath::toolpath {
@@ -31,6 +32,9 @@ constexpr double kSeekMm = 25.0;
 constexpr double kMeetShare = 0.8;
 /// Tips are placed no nearer to another branch than this share of their distance: it holds what is there.
 constexpr double kCrowded = 0.7;
+/// A branch at the edge of its room may have to move this many steps: corners of what is shrunk by a step are
+/// cut off.
+constexpr double kMaxEscape = 2.2;
 /// A tip may be moved by this many of its radii to find room.
 constexpr double kTipSlack = 2.0;
 /// Leftovers of an area smaller than this need no hold, mm²: their neighbours have it.
@@ -87,27 +91,46 @@ class Grower {
       }
   }
 
+  /// Where a branch may begin, at or near the place wanted.
+  std::optional<Node> tip_at(std::size_t i, const Point& wanted) const {
+    const double slack = kTipSlack * tip_mm_ * kNm;
+    if (const auto place = room_.nearest(i, wanted, true, slack)) return Node{*place, 0, 1, true, {}};
+    if (const auto place = room_.nearest(i, wanted, false, slack)) return Node{*place, 0, 1, false, {}};
+    return {};
+  }
+
   void place_tips(std::size_t i) {
     const double apart = s_.tree_tip_distance_mm * kNm;
     bool missed = false;
-    for (const Point& wanted : tip_places(held_[i], tip_mm_ * kNm, apart)) {
-      const auto crowded = [&](const Point& p) {
-        return std::any_of(nodes_.begin(), nodes_.end(),
-                           [&](const Node& n) { return geom::distance(n.at, p) < kCrowded * apart; });
-      };
-      if (crowded(wanted)) continue;
-      bool plate = true;
-      auto place = room_.nearest(i, wanted, true, kTipSlack * tip_mm_ * kNm);
-      if (!place) {
-        plate = false;
-        place = room_.nearest(i, wanted, false, kTipSlack * tip_mm_ * kNm);
+    for (const geom::Region& region : held_[i]) {
+      const std::vector<Point> places = tip_places({region}, tip_mm_ * kNm, apart);
+      for (const Point& wanted : places) {
+        if (crowded(wanted, kCrowded * apart)) continue;
+        const auto tip = tip_at(i, wanted);
+        if (tip) nodes_.push_back(*tip);
+        missed = missed || !tip;
       }
-      if (!place)
-        missed = true;
-      else
-        nodes_.push_back({*place, 0, 1, plate, {}});
+      // However near its neighbours are, an area of its own needs a branch of its own.
+      for (const Point& wanted : places) {
+        if (stands(region)) break;
+        if (const auto tip = tip_at(i, wanted)) nodes_.push_back(*tip);
+      }
+      missed = missed || !stands(region);
     }
-    if (!missed) return;
+    if (missed) leave_unheld(i);
+  }
+
+  bool crowded(const Point& p, double within) const {
+    return std::any_of(nodes_.begin(), nodes_.end(),
+                       [&](const Node& n) { return geom::distance(n.at, p) < within; });
+  }
+
+  bool stands(const geom::Region& region) const {
+    return std::any_of(nodes_.begin(), nodes_.end(),
+                       [&](const Node& n) { return geom::contains(region, n.at); });
+  }
+
+  void leave_unheld(std::size_t i) {
     geom::Rings discs;
     for (const Node& n : nodes_)
       discs.push_back(geom::make_circle(n.at, from_mm(s_.tree_tip_distance_mm), 16));
@@ -180,7 +203,7 @@ class Grower {
         node.at = to[k];
       } else if (good(node, i - 1, half)) {
         node.at = half;
-      } else if (const auto out = room_.nearest(i - 1, from, node.plate, 1.5 * step)) {
+      } else if (const auto out = room_.nearest(i - 1, from, node.plate, kMaxEscape * step)) {
         node.at = *out;
       } else {
         stuck[k] = true;
