@@ -74,6 +74,9 @@ struct LinkStats {
   std::uint64_t resends = 0;
   std::uint64_t bytes_sent = 0;
   int window_bytes = 0;
+  /// Signs that the printer may have obeyed a damaged line: an ok for a line without a number, an unknown
+  /// command, a request for a line already acknowledged. Marlin cannot see every damage.
+  std::uint64_t doubts = 0;
 };
 
 struct Event {

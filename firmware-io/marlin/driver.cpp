@@ -79,6 +79,11 @@ void Driver::dispatch_ready(const Reply& reply, double t) {
   } else if (const auto* report = std::get_if<TemperatureReport>(&reply)) {
     if (report->waiting) link_.note_progress(t);
     note_sensors(report->sensors);
+    // Repetier's M105 says ok first and the temperatures on a line of their own.
+    if (job_ && !report->waiting && !reports_by_itself()) {
+      job_->on_temperature_ok(link_);
+      drop_finished_job();
+    }
   } else if (const auto* error = std::get_if<Error>(&reply)) {
     on_error(*error, t);
   } else if (const auto* busy = std::get_if<Busy>(&reply)) {
@@ -93,6 +98,7 @@ void Driver::dispatch_ready(const Reply& reply, double t) {
     on_action(*action, t);
   } else if (const auto* echo = std::get_if<Echo>(&reply)) {
     if (queries_unanswered_ == 0) emit(Message{echo->text});
+    if (job_ && echo->text.starts_with("Unknown command")) ++unknown_commands_;
   } else if (const auto* other = std::get_if<Other>(&reply)) {
     if (queries_unanswered_ == 0) emit(Message{other->text});
   } else if (const auto* state = std::get_if<PackState>(&reply)) {
@@ -152,7 +158,7 @@ void Driver::collect(double t) {
     if (tag->kind == Tag::Kind::query) {
       if (--queries_unanswered_ == 0) tell_limits();
     } else if (job_ && tag->kind != Tag::Kind::control) {
-      job_->on_acknowledged(*tag, link_);
+      job_->on_acknowledged(*tag);
       drop_finished_job();
     }
   }
@@ -182,6 +188,7 @@ void Driver::pump(double t) {
     link_.send(line, {.kind = Tag::Kind::control, .is_long = is_long(line)}, t);
   }
   if (job_ && queries_unanswered_ == 0) job_->feed(link_, t);
+  drop_finished_job();
   if (link_.wants_probe() && link_.may_send("M105")) link_.send("M105", {}, t);
 }
 
@@ -189,6 +196,10 @@ void Driver::check_health() {
   const std::uint64_t doubtful = link_.window().doubtful_requests();
   if (std::exchange(doubtful_seen_, doubtful) != doubtful) {
     emit(Message{"a line was wanted again after its ok: it may have run twice, or damaged"});
+  }
+  const std::uint64_t nameless = link_.window().nameless_oks();
+  if (std::exchange(nameless_seen_, nameless) != nameless) {
+    emit(Message{"the printer obeyed a line without a number: damage that it could not see"});
   }
   switch (link_.window().health()) {
     case Window::Health::good:
@@ -240,6 +251,10 @@ void Driver::elapsed(double t) {
     link_.elapsed(t);
     if (phase_ == Phase::ready && t >= poll_at()) poll_temperature(t);
     if (repacking_until_ > 0 && t >= repacking_until_) packing_unanswered();
+    if (t >= end_probe_at()) {
+      end_probed_ = true;
+      if (link_.may_send("M105")) link_.send("M105", {}, t);
+    }
     if (job_ && t >= stats_t_ + kStatsPeriod_s) stats_t_ = t, report_stats();
   }
   settle(t);
@@ -251,7 +266,15 @@ double Driver::deadline() const noexcept {
   if (phase_ == Phase::identifying || phase_ == Phase::ready) next = std::min(next, link_.deadline());
   if (job_) next = std::min(next, stats_t_ + kStatsPeriod_s);
   if (repacking_until_ > 0) next = std::min(next, repacking_until_);
+  next = std::min(next, end_probe_at());
   return next;
+}
+
+// At the end of a file nothing follows that would bring a lost ok to light; one question soon does.
+double Driver::end_probe_at() const noexcept {
+  if (!job_ || !job_->at_end() || end_probed_ || phase_ != Phase::ready || link_.window().draining())
+    return kNever;
+  return link_.progress_t() + options_.timing.patience_s / 2;
 }
 
 bool Driver::reports_by_itself() const noexcept { return offers("AUTOREPORT_TEMP"); }
@@ -274,8 +297,9 @@ void Driver::poll_temperature(double t) {
 }
 
 LinkStats Driver::link_stats() const {
-  return {link_.lines_sent(), link_.window().resend_requests(), link_.bytes_sent(),
-          link_.window().limit_bytes()};
+  const Window& window = link_.window();
+  return {link_.lines_sent(), window.resend_requests(), link_.bytes_sent(), window.limit_bytes(),
+          window.doubtful_requests() + window.nameless_oks() + unknown_commands_};
 }
 
 void Driver::report_stats() {
@@ -283,6 +307,7 @@ void Driver::report_stats() {
   stats.lines_sent -= before_print_.lines_sent;
   stats.resends -= before_print_.resends;
   stats.bytes_sent -= before_print_.bytes_sent;
+  stats.doubts -= before_print_.doubts;
   emit(stats);
 }
 
@@ -292,6 +317,7 @@ void Driver::print(std::unique_ptr<LineSource> source, double t) {
     return;
   }
   stats_t_ = t;
+  end_probed_ = false;
   before_print_ = link_stats();
   job_ = std::make_unique<PrintJob>(std::move(source), [this](auto what) {
     const bool last = std::holds_alternative<PrintFinished>(what) ||

@@ -94,6 +94,7 @@ class Driver final : public Dialogue {
   void poll_temperature(double t);
   bool reports_by_itself() const noexcept;
   double poll_at() const noexcept;
+  double end_probe_at() const noexcept;
   void fail(const std::string& reason);
   void disconnect(const std::string& reason);
   LinkStats link_stats() const;
@@ -119,6 +120,7 @@ class Driver final : public Dialogue {
   int packing_asked_ = 0;
   double repacking_until_ = 0;  ///< 0: not asked
   double rest_until_ = 0;
+  bool end_probed_ = false;
   bool packed_once_ = false;  ///< the firmware may still unpack
   double greeted_t_ = 0;
   bool connected_ = false;
@@ -130,6 +132,8 @@ class Driver final : public Dialogue {
   double stats_t_ = 0;
   LinkStats before_print_;  ///< the link's counters when the print began
   std::uint64_t doubtful_seen_ = 0;
+  std::uint64_t nameless_seen_ = 0;
+  std::uint64_t unknown_commands_ = 0;
 };
 
 }  // namespace voidpath::fw::marlin

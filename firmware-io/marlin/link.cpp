@@ -18,9 +18,9 @@ constexpr int kWaitsThatMeanLoss = 2;
 constexpr std::uint64_t kQuietLines = 2000;
 
 // A line of which the wire has carried only a part has no ok yet.
-constexpr int kLineBytes = 45;
+constexpr int kLineBytes = 64;
 // Of the time there is; the rest is for a late awakening.
-constexpr double kCaution = 0.8;
+constexpr double kCaution = 0.7;
 
 // A longer answer to the greeting tells of a busy printer, not of the wire.
 constexpr double kLongestRoundTrip_s = 0.2;
@@ -97,7 +97,7 @@ void Link::on_reply(const Reply& reply, double t) {
   const bool was_draining = window_.draining();
   if (!std::holds_alternative<Wait>(reply)) waits_ = 0;
   if (const auto* ok = std::get_if<Ok>(&reply)) {
-    window_.on_ok(ok->line, ok->queue_free);
+    window_.on_ok(ok->line, ok->queue_free, !ok->sensors.empty());
     note_progress(t);
     patience_t_ = t;
   } else if (const auto* resend = std::get_if<Resend>(&reply)) {

@@ -80,6 +80,7 @@ class Link {
   bool all_acknowledged() const noexcept { return window_.idle(); }
   /// A line is needed to provoke an answer, and nobody sent one.
   bool wants_probe() const noexcept { return window_.wants_probe() && !window_.draining(); }
+  double progress_t() const noexcept { return progress_t_; }
   bool busy_seen() const noexcept { return busy_seen_; }
   const Window& window() const noexcept { return window_; }
   std::string& output() noexcept { return output_; }

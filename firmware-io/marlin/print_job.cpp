@@ -6,6 +6,12 @@
 #include <utility>
 
 namespace voidpath::fw::marlin {
+namespace {
+
+// Answered by a bare ok each time: then this firmware says no temperatures, or ever so many oks came twice.
+constexpr int kVerifications = 50;
+
+}  // namespace
 
 PrintJob::PrintJob(std::unique_ptr<LineSource> source, Emit emit)
     : source_(std::move(source)), emit_(std::move(emit)) {}
@@ -68,8 +74,10 @@ void PrintJob::feed_ending(Link& link, double t) {
 }
 
 void PrintJob::feed(Link& link, double t) {
-  if (!disturbances_) disturbances_ = link.window().disturbances();
-  if (state_ == State::verifying && link.all_acknowledged()) link.send("M105", {}, t);
+  if (state_ == State::verifying && link.all_acknowledged()) {
+    if (++verifications_ > kVerifications) return finish();  // a firmware whose M105 says no temperatures
+    link.send("M105", {}, t);
+  }
   if (state_ == State::ending) return feed_ending(link, t);
   try {
     while (state_ == State::feeding && feed_line(link, t) == Step::sent) {
@@ -86,10 +94,10 @@ void PrintJob::finish() {
 }
 
 void PrintJob::on_temperature_ok(const Link& link) {
-  if (state_ == State::verifying && link.all_acknowledged()) finish();
+  if (state_ == State::verifying && verifications_ > 0 && link.all_acknowledged()) finish();
 }
 
-void PrintJob::on_acknowledged(const Tag& tag, const Link& link) {
+void PrintJob::on_acknowledged(const Tag& tag) {
   if (tag.homing) homing_ = false;
   if (tag.heating) {
     heating_ = false;
@@ -97,13 +105,7 @@ void PrintJob::on_acknowledged(const Tag& tag, const Link& link) {
     emit_(Heating{false});
   }
   if (tag.kind == Tag::Kind::file) emit_(LineDone{tag.index, tag.file_position});
-  if (tag.kind == Tag::Kind::finish && state_ == State::finishing) {
-    if (link.window().disturbances() == disturbances_) {
-      finish();
-    } else {
-      state_ = State::verifying;
-    }
-  }
+  if (tag.kind == Tag::Kind::finish && state_ == State::finishing) state_ = State::verifying;
   if (tag.kind == Tag::Kind::ending && --ending_unacknowledged_ == 0) {
     state_ = State::over;
     emit_(*outcome_);

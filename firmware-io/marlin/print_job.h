@@ -21,15 +21,15 @@ using Emit = std::function<void(decltype(Event::what))>;
 /// A heating wait goes out only when everything before it is acknowledged, and nothing follows until it is
 /// acknowledged itself: so its beginning and end are known, and the first motion leaves right after it.
 ///
-/// The file's end is M400. Where the dialogue was disturbed, an acknowledgement may be one too many; then
-/// M105 follows, whose answer cannot be mistaken and whose number is only taken when all before it were.
+/// The file's end is M400, and then M105: an ok may have come twice and stand for a line too many, but M105's
+/// answer cannot be mistaken, and its number is only taken when all before it were.
 class PrintJob {
  public:
   PrintJob(std::unique_ptr<LineSource> source, Emit emit);
 
   /// Sends what may go now.
   void feed(Link& link, double t);
-  void on_acknowledged(const Tag& tag, const Link& link);
+  void on_acknowledged(const Tag& tag);
   /// An ok came that can only be M105's.
   void on_temperature_ok(const Link& link);
 
@@ -42,6 +42,8 @@ class PrintJob {
   bool over() const noexcept { return state_ == State::over; }
   bool ending() const noexcept { return state_ == State::ending; }
   bool paused() const noexcept { return state_ == State::paused; }
+  /// Nothing but the last answers is waited for: a lost one would be met by no line behind it.
+  bool at_end() const noexcept { return state_ == State::finishing || state_ == State::verifying; }
   bool heating() const noexcept { return heating_; }
 
  private:
@@ -59,7 +61,7 @@ class PrintJob {
   State state_ = State::feeding;
   std::optional<SourceLine> pending_;
   std::uint64_t pending_position_ = 0;
-  std::optional<std::uint64_t> disturbances_;  ///< of the link when the print began
+  int verifications_ = 0;  ///< M105 sent behind M400
   bool started_ = false;
   bool heating_ = false;      ///< a heating wait is out
   bool homing_ = false;       ///< a homing or probing command is out

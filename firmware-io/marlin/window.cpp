@@ -175,7 +175,7 @@ void Window::acknowledge_all() {
   while (!in_flight_.empty()) acknowledge_front();
 }
 
-void Window::on_ok(std::optional<std::uint32_t> line, std::optional<int> queue_free) {
+void Window::on_ok(std::optional<std::uint32_t> line, std::optional<int> queue_free, bool temperatures) {
   if (request_ok_due_ > 0) {
     request_ok_due_ = 0;
     ++request_oks_seen_;
@@ -183,6 +183,20 @@ void Window::on_ok(std::optional<std::uint32_t> line, std::optional<int> queue_f
   }
   stalls_ = 0;
   probe_answered_ = true;
+  if (!line && queue_free && !in_flight_.empty() && in_flight_.front().number != 0) {
+    // Of a line nobody sent: it acknowledges nothing.
+    ++nameless_oks_;
+    ++disturbances_;
+    return;
+  }
+  if (temperatures) {
+    const auto asked = std::find_if(in_flight_.begin(), in_flight_.end(), [&](const Flight& flight) {
+      return flight.number != 0 && kept(flight.number) == "M105";
+    });
+    if (asked == in_flight_.end()) return;
+    for (auto n = asked - in_flight_.begin() + 1; n > 0; --n) acknowledge_front();
+    return;
+  }
   if (line) {
     const auto known = std::find_if(in_flight_.begin(), in_flight_.end(),
                                     [&](const Flight& flight) { return flight.number == *line; });

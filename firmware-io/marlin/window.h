@@ -68,7 +68,9 @@ class Window {
   // --- what the printer says; each line of it is reported by exactly one of these ---
 
   /// `queue_free`: the B of ADVANCED_OK.
-  void on_ok(std::optional<std::uint32_t> line, std::optional<int> queue_free = {});
+  /// `temperatures`: only M105 is answered so, hence the first of them in flight and all before it.
+  void on_ok(std::optional<std::uint32_t> line, std::optional<int> queue_free = {},
+             bool temperatures = false);
   void on_resend(std::uint32_t line);
   void on_framing_error(std::optional<std::uint32_t> last_line);
   void on_other_line();
@@ -112,6 +114,8 @@ class Window {
   std::uint64_t resend_requests() const noexcept { return resend_requests_; }
   /// Requests for a line that had been acknowledged: a sign of a line run without its number.
   std::uint64_t doubtful_requests() const noexcept { return doubtful_requests_; }
+  /// Oks of a firmware that names the line, naming none: it has obeyed something unnumbered.
+  std::uint64_t nameless_oks() const noexcept { return nameless_oks_; }
   Health health() const noexcept { return health_; }
   /// Grows with everything that may have moved an acknowledgement: a request, a stall, an ok too many. While
   /// it stands still, what is acknowledged is done.
@@ -172,6 +176,7 @@ class Window {
   int stalls_ = 0;
   std::uint64_t resend_requests_ = 0;
   std::uint64_t doubtful_requests_ = 0;
+  std::uint64_t nameless_oks_ = 0;
   std::uint64_t disturbances_ = 0;
   Health health_ = Health::good;
 };

@@ -333,7 +333,7 @@ TEST_CASE("the statistics of a print are its own", "[driver]") {
     bench.print(moves(20));
     REQUIRE(bench.run_until([&] { return bench.count<PrintFinished>() == i + 1; }));
     const auto& stats = bench.get<LinkStats>(bench.count<LinkStats>() - 1);
-    CHECK(stats.lines_sent == 21);
+    CHECK(stats.lines_sent == 22);
     CHECK(stats.resends == 0);
     CHECK(stats.window_bytes == 127);
   }
@@ -411,7 +411,7 @@ TEST_CASE("a long command with busy, and one in silence, are waited for", "[driv
     CHECK(bench.printed() == file + Lines{"M400"});
     CHECK(bench.firmware.overflowed == 0);
     const auto probes = std::count(bench.firmware.executed.begin(), bench.firmware.executed.end(), "M105");
-    CHECK(probes <= (says_busy ? 0 : 2));
+    CHECK(probes <= (says_busy ? 1 : 3));  // one is the last line of every print
   }
 }
 

@@ -115,7 +115,7 @@ TEST_CASE("packing can be declined, and is given up when the firmware does not a
 }
 
 TEST_CASE("damage to packed lines is repaired, lines go plain for a while and then packed again", "[meatpack]") {
-  const auto file = moves(2200);
+  const auto file = moves(2500);
   int exact = 0;
   for (const auto kind : {mock::FaultKind::kFlipByte, mock::FaultKind::kDropByte, mock::FaultKind::kDoubleByte,
                           mock::FaultKind::kInsertByte}) {
@@ -136,9 +136,9 @@ TEST_CASE("damage to packed lines is repaired, lines go plain for a while and th
       CHECK(bench.printer.statistics().resends < 8);
       const auto log = of_the_file(bench.log);
       exact += as_run(log) == as_run(file) ? 1 : 0;
-      REQUIRE(log.size() > 2150);
+      REQUIRE(log.size() > 2490);
       CHECK(log[500].find(' ') != std::string::npos);
-      CHECK(log[2150].find(' ') == std::string::npos);
+      CHECK(log[2480].find(' ') == std::string::npos);
     }
   }
   CHECK(exact >= 7);  // the firmware may obey a scrap of a line that has lost its N: no host can hinder that

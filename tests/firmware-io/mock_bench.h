@@ -70,17 +70,30 @@ class MockBench {
   mock::MockMarlin printer;
   fw::marlin::Driver driver;
   std::vector<fw::Event> events;
-  std::vector<std::string> log;  ///< what the printer executed, in order
-  double read_every_s = 0;       ///< a host too busy to read more often
+  std::vector<std::string> log;                       ///< what the printer executed, in order
+  std::function<void(const std::string&)> on_output;  ///< what the driver writes
+  double read_every_s = 0;                            ///< a host too busy to read more often
 
  private:
   static constexpr double kStart = 1000;
+  static constexpr double kReopen_s = 2;
+  double unplugged_until_ = 0;
   static constexpr double kRounding_s = 1e-9;
 
+  void plug() {
+    unplugged_until_ = 0;
+    printer.take_output();
+    if (driver.closing()) driver.opened(t());
+  }
   void note(const fw::Event& event) { events.push_back(event); }
 
   void step() {
-    if (!driver.output().empty()) printer.feed(std::exchange(driver.output(), {}));
+    if (!driver.output().empty()) {
+      if (on_output) on_output(driver.output());
+      printer.feed(std::exchange(driver.output(), {}));
+    }
+    if (unplugged_until_ > 0 && t() >= unplugged_until_) plug();
+    if (driver.closing() && unplugged_until_ == 0) unplugged_until_ = t() + kReopen_s;
     // On the printer's clock, so that its events are met exactly.
     double next = std::clamp(std::min(printer.next_event(), driver.deadline() - kStart), printer.now(),
                              printer.now() + 1);
@@ -88,7 +101,11 @@ class MockBench {
     printer.advance_to(next);
     clock.now = std::max(t(), next + kStart);
     const std::string said = printer.take_output();
-    if (!said.empty()) driver.received(said, t());
+    if (const auto seconds = printer.take_unplug()) {
+      driver.lost("unplugged");
+      unplugged_until_ = t() + *seconds;
+    }
+    if (!said.empty() && !driver.closing()) driver.received(said, t());
     if (t() + kRounding_s >= driver.deadline()) {
       clock.now = std::max(t(), driver.deadline());
       driver.elapsed(t());

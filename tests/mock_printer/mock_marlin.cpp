@@ -237,6 +237,7 @@ void MockMarlin::handle_result(const LineResult& result) {
     if (ignored->blank && options_.dialect.blank_ok) send_ok("");
   } else {
     const auto& accepted = std::get<AcceptedLine>(result);
+    if (accepted_) accepted_(accepted.text, accepted.number);
     // Without an emergency parser these act when they are read, if they came without a number.
     if (!options_.emergency_parser && !accepted.number) emergency(accepted.text);
     if (halted_) return;

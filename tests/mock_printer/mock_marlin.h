@@ -60,6 +60,10 @@ class MockMarlin final : public Firmware {
   std::uint64_t progress() const override { return progress_; }
   /// Each command as it begins to execute.
   void on_command(std::function<void(std::string_view)> callback) override { log_ = std::move(callback); }
+  /// Each line as it is taken from the wire, with its number if it had one.
+  void on_accepted(std::function<void(std::string_view, std::optional<std::int64_t>)> callback) {
+    accepted_ = std::move(callback);
+  }
   /// Power-on or reset: state lost, heaters off, `start` again.
   void reset() override;
   /// Seconds for which the cable is to be out, once after such a fault fired.
@@ -147,6 +151,7 @@ class MockMarlin final : public Firmware {
   Motion motion_;
   GuardedHeater hotend_, bed_;
   std::function<void(std::string_view)> log_;
+  std::function<void(std::string_view, std::optional<std::int64_t>)> accepted_;
 
   bool executing_ = false;
   std::string ok_tail_;  ///< what follows that ok

@@ -1,0 +1,301 @@
+#include "tests/firmware-io/soak.h"
+
+#include "tests/firmware-io/mock_bench.h"
+#include "tests/mock_printer/unpacker.h"
+
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <random>
+#include <set>
+
+namespace voidpath::test {
+namespace {
+
+using mock::Fault;
+using mock::FaultKind;
+using mock::FaultTrigger;
+
+constexpr double kLongest_s = 3 * 3600;
+
+/// Dice that fall the same on every machine.
+class Dice {
+ public:
+  explicit Dice(std::uint64_t seed) : random_(seed * 0x9E3779B97F4A7C15u + 1) {}
+  std::size_t below(std::size_t n) { return static_cast<std::size_t>(random_() % n); }
+  bool one_in(std::size_t n) { return below(n) == 0; }
+  double between(double a, double b) {
+    return a + (b - a) * static_cast<double>(random_() >> 11) / 9007199254740992.0;
+  }
+  /// Each power of ten as likely.
+  double rate(double low, double high) { return std::pow(10, between(std::log10(low), std::log10(high))); }
+
+ private:
+  std::mt19937_64 random_;
+};
+
+std::vector<std::string> make_file(Dice& dice, std::size_t lines, bool level) {
+  std::vector<std::string> file = {"G21", "G90", "M82"};
+  if (level) file.push_back("G29");
+  for (std::size_t i = 0; i < lines; ++i)
+    file.push_back("G1 X" + mock::fixed(dice.between(0, 200), 3) + " Y" +
+                   mock::fixed(dice.between(0, 200), 3) + " E" +
+                   mock::fixed(static_cast<double>(i) * 0.04321, 5));
+  file.push_back("M107");
+  return file;
+}
+
+Fault by_chance(FaultKind kind, double probability, bool outwards = false) {
+  Fault fault;
+  fault.kind = kind;
+  fault.trigger = mock::natural_trigger(kind);
+  fault.probability = probability;
+  fault.outwards = outwards;
+  return fault;
+}
+
+Fault once(FaultKind kind, FaultTrigger trigger, double at) {
+  Fault fault;
+  fault.kind = kind;
+  fault.trigger = trigger;
+  fault.at = at;
+  return fault;
+}
+
+Fault any_fault(Dice& dice, std::size_t lines, std::string& what) {
+  static constexpr FaultKind kBytes[] = {FaultKind::kFlipByte, FaultKind::kDropByte, FaultKind::kDoubleByte,
+                                         FaultKind::kInsertByte};
+  const double line = 10 + static_cast<double>(dice.below(lines));
+  Fault fault;
+  switch (dice.below(14)) {
+    case 0:
+    case 1:
+    case 2:
+    case 3: {
+      const double rate = dice.rate(1e-5, 1e-2);
+      what += " bytes";
+      return by_chance(kBytes[dice.below(4)], rate, dice.one_in(2));
+    }
+    case 4:
+      what += " lost-ok";
+      return by_chance(FaultKind::kLoseOk, dice.rate(1e-3, 0.1));
+    case 5:
+      what += " double-ok";
+      return by_chance(FaultKind::kDoubleOk, dice.rate(1e-3, 0.1));
+    case 6:
+      what += " garbled-ok";
+      return by_chance(FaultKind::kGarbleOk, dice.rate(1e-3, 0.1));
+    case 7:
+      what += " resend-without-ok";
+      return by_chance(FaultKind::kResendWithoutOk, 1);
+    case 8:
+      what += " burst";
+      fault = once(kBytes[dice.below(4)], FaultTrigger::kByte, 1000 + 30 * line);
+      fault.limit = 5 + dice.below(60);
+      fault.outwards = dice.one_in(2);
+      return fault;
+    case 9:
+      what += " reset";
+      return once(FaultKind::kReset, FaultTrigger::kLine, line);
+    case 10:
+      what += " halt";
+      return once(FaultKind::kHalt, FaultTrigger::kLine, line);
+    case 11:
+      what += " unplug";
+      fault = once(FaultKind::kUnplug, FaultTrigger::kLine, line);
+      fault.seconds = dice.between(0.1, 5);
+      return fault;
+    case 12:
+      what += " silence";
+      fault = once(FaultKind::kSilence, FaultTrigger::kLine, line);
+      fault.seconds = dice.between(0.5, 20);
+      return fault;
+    default:
+      what += " slow";
+      fault = once(FaultKind::kSlow, FaultTrigger::kLine, line);
+      fault.lines = 5;
+      fault.seconds = dice.between(0.1, 3);
+      return fault;
+  }
+}
+
+/// Knows what the driver sent under which number, from its bytes, and checks what the printer took.
+class Witness {
+ public:
+  void sent(const std::string& bytes) {
+    std::string text;
+    bool told = false;
+    for (const char c : bytes) unpacker_.take(c, text, told);
+    for (const char c : text) {
+      if (c != '\n') {
+        line_ += c;
+        continue;
+      }
+      take(std::exchange(line_, {}));
+    }
+  }
+  void accepted(std::string_view text, std::optional<std::int64_t> number) {
+    if (!number) {
+      if (raw_.count(std::string(text)) == 0 && !text.empty()) ++invisible;
+      return;
+    }
+    if (text.starts_with("M110")) {
+      last_ = *number;
+      if (*number != 0) ++invisible;
+      return;
+    }
+    if (*number != last_ + 1)
+      violation = "line " + std::to_string(*number) + " after " + std::to_string(last_);
+    last_ = *number;
+    const auto known = numbered_.find(*number);
+    if (known == numbered_.end() || known->second != text) {
+      ++invisible;
+    } else {
+      taken.push_back(known->second);
+    }
+  }
+
+  int invisible = 0;
+  std::string violation;
+  std::vector<std::string> taken;  ///< numbered lines as they were sent, in the order they were taken
+  std::vector<std::string> lines;  ///< numbered lines in the order of their first sending
+
+ private:
+  void take(const std::string& line) {
+    if (line.empty()) return;
+    std::int64_t number = -1;
+    const auto star = line.rfind('*');
+    if (line[0] != 'N' || star == line.npos) {
+      raw_.insert(line);
+      return;
+    }
+    const auto digits = std::from_chars(line.data() + 1, line.data() + star, number);
+    std::string text(digits.ptr, line.data() + star);
+    text.erase(0, text.find_first_not_of(' '));
+    if (text.starts_with("M110")) return numbered_.clear();
+    const auto [at, fresh] = numbered_.emplace(number, text);
+    if (!fresh && at->second != text && without_blanks(at->second) == without_blanks(text)) at->second = text;
+    if (!fresh && at->second != text) violation = "number " + std::to_string(number) + " given to two lines";
+    if (fresh) lines.push_back(text);
+  }
+  static std::string without_blanks(std::string text) {
+    std::erase(text, ' ');
+    return text;
+  }
+
+  mock::Unpacker unpacker_;
+  std::string line_;
+  std::map<std::int64_t, std::string> numbered_;
+  std::set<std::string> raw_;
+  std::int64_t last_ = 0;
+};
+
+bool is_own(const std::string& line) {
+  static const std::set<std::string> kOwn = {"M110", "M115", "M503", "M211", "M155", "M105",
+                                             "M400", "M104", "M140", "M84",  "M108", "M112"};
+  return kOwn.count(line.substr(0, line.find(' '))) > 0;
+}
+
+std::vector<std::string> of_file(const std::vector<std::string>& lines) {
+  std::vector<std::string> out;
+  for (std::string line : lines) {
+    if (is_own(line)) continue;
+    if (line[0] == 'G') std::erase(line, ' ');
+    out.push_back(line);
+  }
+  return out;
+}
+
+SoakPrint play(const mock::Options& options, std::vector<std::string> file, double read_every_s,
+               std::string what) {
+  SoakPrint print;
+  print.what = std::move(what);
+  MockBench bench(options);
+  Witness witness;
+  bench.on_output = [&](const std::string& bytes) { witness.sent(bytes); };
+  double last_s = 0;
+  bool printing = false;
+  bench.printer.on_accepted([&](std::string_view text, std::optional<std::int64_t> number) {
+    witness.accepted(text, number);
+    if (printing && last_s > 0)
+      print.longest_gap_s = std::max(print.longest_gap_s, bench.printer.now() - last_s);
+    last_s = bench.printer.now();
+  });
+  bench.read_every_s = read_every_s;
+  const auto ready = [&] { return bench.count<fw::Connected>() > bench.count<fw::Disconnected>(); };
+  if (!bench.run_until(ready, 600)) {
+    print.ended = bench.count<fw::Disconnected>() > 0;
+    print.reason = "never connected";
+    return print;
+  }
+  bench.run_until([&] { return bench.count<fw::LimitsKnown>() > 0; }, 5);
+  witness.lines.clear(), witness.taken.clear();
+  const int before = witness.invisible;
+  printing = true;
+  bench.print(file);
+  print.ended = bench.run_until([&] { return bench.over(); }, kLongest_s);
+  printing = false;
+  print.finished = bench.count<fw::PrintFinished>() > 0;
+  if (const auto* failed = bench.find<fw::PrintFailed>()) print.reason = failed->reason;
+  if (const auto* stats = bench.find<fw::LinkStats>(bench.count<fw::LinkStats>() - 1))
+    print.noticed = stats->doubts > 0;
+  print.invisible = witness.invisible - before;
+  print.resends = bench.printer.statistics().resends;
+  print.violation = witness.violation;
+  file = of_file(file);
+  const auto sent = of_file(witness.lines), taken = of_file(witness.taken);
+  const auto is_prefix = [&](const std::vector<std::string>& part) {
+    return part.size() <= file.size() && std::equal(part.begin(), part.end(), file.begin());
+  };
+  if (!is_prefix(sent)) print.violation = "what was sent is not the file";
+  if (print.invisible == 0 && !is_prefix(taken)) print.violation = "what was taken is not the file";
+  if (print.invisible == 0 && print.finished && taken.size() != file.size())
+    print.violation = "finished without all lines";
+  if (!print.ended) print.violation = "neither finished nor halted";
+  if (print.ended && !print.finished && print.reason.empty()) print.violation = "halted without a reason";
+  return print;
+}
+
+}  // namespace
+
+SoakPrint soak_print(std::uint64_t seed) {
+  Dice dice(seed);
+  static constexpr const char* kFirmwares[] = {"marlin2", "marlin2", "marlin2",
+                                               "marlin1", "prusa",   "smoothie"};
+  const std::string firmware = kFirmwares[dice.below(6)];
+  static constexpr std::size_t kRings[] = {128, 128, 64, 1024};
+  mock::Options options = mock::make_mock()
+                              .firmware(firmware)
+                              .baud(dice.one_in(2) ? 115200 : 250000)
+                              .round_trip(dice.one_in(4) ? 0.016 : 0.001)
+                              .rx_buffer(kRings[dice.below(4)])
+                              .advanced_ok(firmware == "marlin2" && dice.one_in(2))
+                              .emergency_parser(dice.one_in(2))
+                              .meatpack(firmware == "marlin2" && dice.one_in(3))
+                              .instant_moves()
+                              .cold_extrusion()
+                              .seed(seed)
+                              .build();
+  std::string what = std::to_string(seed) + " " + firmware + (options.meatpack ? "+meatpack" : "") + ":";
+  const std::size_t lines = 60 + dice.below(240);
+  const bool level = dice.one_in(8);
+  if (level) {
+    options.leveling_s = 600;
+    options.dialect.busy = false;
+    what += " ten-silent-minutes";
+  }
+  for (std::size_t n = 1 + dice.below(3); n > 0; --n) options.faults.push_back(any_fault(dice, lines, what));
+  const bool slow_reader = dice.one_in(6);
+  if (slow_reader) what += " slow-reader";
+  return play(options, make_file(dice, lines, level), slow_reader ? 0.05 : 0, what);
+}
+
+SoakPrint noisy_print(std::uint64_t seed) {
+  Dice dice(seed);
+  mock::Options options =
+      mock::make_mock().baud(115200).round_trip(0.001).instant_moves().cold_extrusion().seed(seed).build();
+  options.faults = {by_chance(FaultKind::kFlipByte, 1e-4), by_chance(FaultKind::kFlipByte, 1e-4, true)};
+  return play(options, make_file(dice, 1000, false), 0, std::to_string(seed) + " one in 10 kB");
+}
+
+}  // namespace voidpath::test

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+/// Prints through every fault the mock knows, in invented time. What the printer took is compared, line by
+/// line and number by number, with what the driver sent and with the file.
+namespace voidpath::test {
+
+struct SoakPrint {
+  std::string what;  ///< the firmware and its faults, for a report
+  bool finished = false;
+  bool ended = false;     ///< finished, failed or cancelled, with a reason
+  std::string reason;     ///< of a failure
+  std::string violation;  ///< what must never happen; empty as it should be
+  /// Lines the firmware obeyed though damage had made them something else, which its checks cannot see.
+  int invisible = 0;
+  bool noticed = false;  ///< by the host, in its record
+  double longest_gap_s = 0;
+  std::uint64_t resends = 0;
+};
+
+SoakPrint soak_print(std::uint64_t seed);
+/// Only flipped bytes, both ways, one in 10 kB, on a Marlin at 115200.
+SoakPrint noisy_print(std::uint64_t seed);
+
+}  // namespace voidpath::test

@@ -1,0 +1,34 @@
+// Prints through every fault the mock knows, by the thousand: soak [COUNT [FIRST_SEED]].
+#include "tests/firmware-io/soak.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <string>
+
+int main(int argc, char** argv) {
+  using namespace voidpath::test;
+  const std::uint64_t count = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 10000;
+  const std::uint64_t first = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
+  std::uint64_t finished = 0, violations = 0, invisible = 0, noticed = 0, resends = 0;
+  std::map<std::string, int> reasons;
+  for (std::uint64_t seed = first; seed < first + count; ++seed) {
+    const SoakPrint print = soak_print(seed);
+    finished += print.finished ? 1u : 0u;
+    resends += print.resends;
+    if (print.invisible > 0) ++invisible, noticed += print.noticed || !print.finished ? 1u : 0u;
+    if (!print.finished) ++reasons[print.reason];
+    if (!print.violation.empty()) {
+      ++violations;
+      std::printf("VIOLATION %s: %s (%s)\n", print.what.c_str(), print.violation.c_str(),
+                  print.reason.c_str());
+    }
+  }
+  std::printf("%llu prints: %llu finished, %llu violations, %llu resend requests\n",
+              static_cast<unsigned long long>(count), static_cast<unsigned long long>(finished),
+              static_cast<unsigned long long>(violations), static_cast<unsigned long long>(resends));
+  std::printf("%llu with damage the firmware could not see, noticed in %llu\n",
+              static_cast<unsigned long long>(invisible), static_cast<unsigned long long>(noticed));
+  for (const auto& [reason, n] : reasons) std::printf("%6d  %s\n", n, reason.c_str());
+  return violations == 0 ? 0 : 1;
+}
