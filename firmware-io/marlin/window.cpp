@@ -22,6 +22,10 @@ constexpr int kOkAfterResend = 1;
 constexpr int kEarly_oks = 32;
 constexpr int kEarlyRequestsThatTell = 4;
 
+// Nobody asks for a line so long acknowledged but a firmware that has restarted unheard, or a damaged
+// request.
+constexpr std::uint32_t kDeepestRequest = 64;
+
 // Marlin's BUFSIZE is 4, on big boards up to 64.
 constexpr int kMostQueuePlaces = 64;
 
@@ -239,7 +243,7 @@ void Window::on_resend(std::uint32_t line) {
   ++disturbances_;
   const bool says_ok = request_oks_missed_ <= request_oks_seen_;
   request_ok_due_ = says_ok ? kOkAfterResend : 0;
-  if (line < first_kept_ || line > next_) {
+  if (line < first_kept_ || line > next_ || line + kDeepestRequest < acknowledged_) {
     if (++impossible_ >= options_.stuck_rounds) give_up(Health::no_history);
     if (!draining_) rewind_to(cursor_);  // let it ask again, one line at a time
   } else {
