@@ -28,6 +28,8 @@ struct Profile {
   toolpath::PrintSettings print;
   motion::MachineLimits limits;
   std::vector<std::string> cancel_gcode;
+  int extruders = 1;        ///< s3g only
+  bool heated_bed = true;   ///< s3g only
   std::string sha256;  ///< of the resolved values: the same settings give the same hash
 };
 

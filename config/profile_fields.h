@@ -30,6 +30,8 @@ void visit_machine(V& v, Profile& p) {
     s.flag("arcs", m.arcs);
     s.flag("progress", m.progress);
     s.lines("thumbnails", m.thumbnails);
+    s.integer("extruders", p.extruders, {1, 2});
+    s.flag("heated_bed", p.heated_bed);
     s.per_axis("steps_per_mm", l.steps_per_mm, {1, 100000});
     s.per_axis("max_speed_mm_s", l.max_speed_mm_s, kSpeed);
     s.per_axis("max_acceleration_mm_s2", l.max_acceleration_mm_s2, {1, 100000});

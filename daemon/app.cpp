@@ -3,6 +3,7 @@
 #include "daemon/event_log.h"
 #include "daemon/event_loop.h"
 #include "daemon/intake/folder_watcher.h"
+#include "daemon/jobs/s3g_machine.h"
 #include "daemon/jobs/runner.h"
 #include "daemon/systemd_notify.h"
 #include "daemon/version.h"
@@ -77,6 +78,7 @@ fw::PortOptions port_options(const config::PrinterConfig& printer) {
   out.baud = printer.baud;
   out.rx_bytes = profile.limits.rx_bytes;
   out.cancel_gcode = profile.cancel_gcode;
+  if (profile.limits.firmware == motion::Firmware::s3g) out.s3g = s3g_machine(profile);
   return out;
 }
 

@@ -7,6 +7,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,7 @@ struct PortOptions {
   bool meatpack = true;    ///< lines go packed when the firmware offers it
   double boot_wait_s = 3;  ///< how long to wait for "start" after opening
   double reconnect_s = 2;  ///< how often a missing port is tried again
+  std::optional<s3g::Machine> s3g;  ///< of a MakerBot; empty: Marlin
   std::vector<std::string> cancel_gcode;  ///< sent after a cancel, before heaters off (lift, park)
 };
 
@@ -50,9 +52,9 @@ class PrinterPort {
 std::unique_ptr<PrinterPort> open_marlin(PortOptions options, std::shared_ptr<const Clock> clock,
                                          PrinterPort::Handler handler);
 
-/// A MakerBot or Sailfish printer, spoken to in S3G. The rest as open_marlin().
-std::unique_ptr<PrinterPort> open_s3g(PortOptions options, const s3g::Machine& machine,
-                                      std::shared_ptr<const Clock> clock, PrinterPort::Handler handler);
+/// A MakerBot or Sailfish printer, as options.s3g describes it, spoken to in S3G. The rest as open_marlin().
+std::unique_ptr<PrinterPort> open_s3g(PortOptions options, std::shared_ptr<const Clock> clock,
+                                      PrinterPort::Handler handler);
 
 /// Reads a G-code file line by line; strips comments, blanks and what a firmware would choke on.
 /// Throws std::runtime_error naming the file.

@@ -27,7 +27,7 @@ struct PortServices {
   std::function<std::unique_ptr<fw::LineSource>(const std::filesystem::path&)> open_source;
   std::function<std::shared_ptr<const fw::Clock>(const config::PrinterConfig&)> open_clock;
 };
-/// Marlin over a serial port, G-code files, and the clock the configuration names.
+/// Marlin or S3G over a serial port, G-code files, and the clock the configuration names.
 PortServices real_services();
 
 /// A configured printer with what is known of it: connection, temperatures, the print it is at. Loop thread

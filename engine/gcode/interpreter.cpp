@@ -82,6 +82,10 @@ Effect Interpreter::run_g(const Command& command, std::uint64_t tag) {
     case 92:
       if (command.subcode == 0) set_position(command);
       break;
+    case 161:
+    case 162:
+      if (is_s3g()) return home_far(command);
+      break;
     default:
       break;
   }
@@ -119,6 +123,21 @@ Effect Interpreter::run_m(const Command& command) {
     case 207:
       if (command.has('S')) retract_d_ = std::abs(command.get('S')) * unit_mm_;
       if (command.get('F') > 0) retract_feed_mm_min_ = command.get('F') * unit_mm_;
+      break;
+    case 6:
+    case 132:
+    case 133:
+    case 134:
+      if (!is_s3g()) break;
+      planner_.finish();
+      if (command.code != 132) {
+        Effect effect;
+        effect.kind = Effect::Kind::heating_wait;
+        return effect;
+      }
+      // The stored home: as far as anyone else knows the ends themselves.
+      for (std::size_t i = 0; i < 3; ++i) position_[i] = static_cast<float>(end_mm(i));
+      planner_.reset_position(position_);
       break;
     case 220:
       if (command.get('S') > 0) feed_percent_ = std::clamp(std::trunc(command.get('S')), 1.0F, 999.0F);
@@ -232,6 +251,34 @@ Effect Interpreter::home(const Command& command) {
     known_[i] = true;
     position_[i] = 0;
   }
+  planner_.finish();
+  if (moved_) planner_.dwell(effect.seconds);
+  planner_.reset_position(position_);
+  return effect;
+}
+
+/// Where a MakerBot's switches stand: X and Y at the far end of a plate whose middle is 0, Z at the plate.
+double Interpreter::end_mm(std::size_t axis) const {
+  return axis < 2 ? planner_.limits().travel_mm[axis] / 2 : 0;
+}
+
+/// G161 and G162: the named axes run together until each has met its switch.
+Effect Interpreter::home_far(const Command& command) {
+  const MachineLimits& limits = planner_.limits();
+  Effect effect;
+  effect.kind = Effect::Kind::homing;
+  double speed = command.get('F') > 0 ? static_cast<double>(command.get('F') * unit_mm_) / 60 : 1e9;
+  double way_mm = 0, axes = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!command.has(kWords[i])) continue;
+    ++axes;
+    speed = std::min(speed, limits.homing_speed_mm_s[i]);
+    const double way = known_[i] ? std::abs(end_mm(i) - static_cast<double>(position_[i])) : limits.travel_mm[i] / 2;
+    way_mm = std::max(way_mm, way);
+    known_[i] = true;
+    position_[i] = static_cast<float>(end_mm(i));
+  }
+  effect.seconds = way_mm * std::sqrt(axes) / std::max(speed, 0.1);
   planner_.finish();
   if (moved_) planner_.dwell(effect.seconds);
   planner_.reset_position(position_);

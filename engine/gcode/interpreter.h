@@ -47,6 +47,9 @@ class Interpreter {
   Effect retract(bool back, std::uint64_t tag);
   Effect dwell(const Command& command);
   Effect home(const Command& command);
+  Effect home_far(const Command& command);
+  double end_mm(std::size_t axis) const;
+  bool is_s3g() const { return planner_.limits().firmware == motion::Firmware::s3g; }
   void set_position(const Command& command);
   void set_limits(const Command& command);
   Axes target_of(const Command& command);

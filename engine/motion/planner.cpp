@@ -1,5 +1,6 @@
 #include "engine/motion/planner.h"
 
+#include "engine/motion/sailfish.h"
 #include "engine/motion/trapezoid.h"
 
 #include <algorithm>
@@ -22,6 +23,10 @@ constexpr float kMaxSteps = 1e9F;
 /// Slowest feed that is obeyed; keeps durations finite on nonsense such as F1e-30. mm/s
 constexpr float kLeastFeed_v = 1e-4F;
 constexpr float kMostFeed_v = 1e6F;
+
+bool is_sailfish(const MachineLimits& limits) { return limits.firmware == Firmware::s3g; }
+std::uint32_t least_steps(const MachineLimits& limits) { return is_sailfish(limits) ? 1 : kMinSteps; }
+std::size_t start_count(const MachineLimits& limits) { return is_sailfish(limits) ? 1 : kStartCount; }
 
 std::int32_t to_step(float position_d, float steps_per_d) {
   const float steps = position_d * steps_per_d;
@@ -100,13 +105,13 @@ bool Planner::queue(const Move& move, const Chord& chord) {
     block.steps[i] = static_cast<std::uint32_t>(std::abs(delta));
     travel.distance_d[i] = static_cast<float>(delta) * d_per_step_[i];
     squares += travel.distance_d[i] * travel.distance_d[i];
-    long_enough = long_enough || block.steps[i] >= kMinSteps;
+    long_enough = long_enough || block.steps[i] >= least_steps(limits_);
   }
   const float e_steps = static_cast<float>(target[kE] - position_[kE]) * flow_r_;
   block.steps[kE] = static_cast<std::uint32_t>(std::min(std::abs(e_steps) + 0.5F, 2 * kMaxSteps));
   block.e_d = travel.distance_d[kE] = e_steps * d_per_step_[kE];
   block.step_count = *std::max_element(block.steps.begin(), block.steps.end());
-  if (block.step_count < kMinSteps) return false;
+  if (block.step_count < least_steps(limits_)) return false;
   block.length_d = long_enough ? std::sqrt(squares) : std::abs(block.e_d);
 
   const bool moves_axes = block.steps[0] != 0 || block.steps[1] != 0 || block.steps[2] != 0;
@@ -169,6 +174,10 @@ void Planner::plan_acceleration(Block& block) const {
     for (std::size_t i = 0; i < kAxes; ++i) {
       if (block.steps[i] == 0 || max_accel_steps_[i] >= accel) continue;
       const std::uint64_t most = std::uint64_t{max_accel_steps_[i]} * block.step_count / block.steps[i];
+      if (is_sailfish(limits_)) {
+        if (accel > most) accel = max_accel_steps_[i];
+        continue;
+      }
       accel = static_cast<std::uint32_t>(std::min<std::uint64_t>(accel, most));
     }
     block.accel_steps = std::max(accel, 1U);
@@ -179,6 +188,15 @@ void Planner::plan_acceleration(Block& block) const {
 void Planner::plan_junction(Block& block, const AxisTravel& travel, float radius_d) {
   // The first block after a stop, or a late one: it starts from rest.
   const bool joins = queue_.waiting() > 0 && last_.nominal_v > 0;
+  if (is_sailfish(limits_) && limits_.jerk_mm_s) {
+    const float v = sailfish::junction_v(travel.speed_v, block.nominal_v, jerk_v_, joins, last_.speed_v);
+    block.max_entry_v2 = v * v;
+    block.safe_exit_v2 = std::max(
+        block.safe_exit_v2,
+        std::min(sailfish::kMinPlannerV * sailfish::kMinPlannerV, block.nominal_v * block.nominal_v));
+    last_.nominal_v = block.nominal_v;
+    return;
+  }
   if (limits_.jerk_mm_s) {
     const float safe_v = safe_speed(travel.speed_v, block.nominal_v, jerk_v_);
     const float v = joins ? jerk_junction_v(travel.speed_v, block.nominal_v, safe_v, last_, jerk_v_) : safe_v;
@@ -206,7 +224,7 @@ void Planner::plan_junction(Block& block, const AxisTravel& travel, float radius
 void Planner::enqueue(const Block& block) {
   if (queue_.empty()) first_queued_t_ = now_t_;
   queue_.push(block);
-  if (queue_.count() == kStartCount) ready_t_ = now_t_;
+  if (queue_.count() == start_count(limits_)) ready_t_ = now_t_;
 }
 
 void Planner::set_position(Axis axis, float position_d) {
@@ -226,7 +244,7 @@ double Planner::next_event_t() const {
   if (queue_.busy()) return busy_end_t_;
   // The poll that ends the delay, or the first after there are blocks enough.
   const double ready_t =
-      queue_.count() >= kStartCount ? ready_t_ : first_queued_t_ + (kFirstDelayPolls - 1) * kPoll_t;
+      queue_.count() >= start_count(limits_) ? ready_t_ : first_queued_t_ + (kFirstDelayPolls - 1) * kPoll_t;
   return idle_from_t_ + (std::floor((ready_t - idle_from_t_) / kPoll_t) + 1) * kPoll_t;
 }
 

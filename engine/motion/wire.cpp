@@ -11,6 +11,19 @@ constexpr std::size_t kFrameBytes = 6;
 /// Lines between looks whether both planners plan alike again.
 constexpr std::size_t kJoinEvery = 8;
 
+/// S3G: a move is 32 bytes of the firmware's queue; on the wire three more, and four of reply, and the host's
+/// turn-round: only then may the next one go.
+constexpr std::size_t kS3gMove = 32;
+constexpr double kS3gWireBytes = 39;
+constexpr double kS3gTurnRound_t = 0.001;
+
+/// The rate at which queue bytes come in.
+double line_rate(const MachineLimits& limits) {
+  if (limits.firmware != Firmware::s3g || limits.baud <= 0) return limits.baud;
+  const double move_t = kS3gWireBytes * kBitsPerByte / limits.baud + kS3gTurnRound_t;
+  return kS3gMove * kBitsPerByte / move_t;
+}
+
 std::size_t digits(std::size_t n) {
   std::size_t count = 1;
   for (; n >= 10; n /= 10) ++count;
@@ -46,11 +59,12 @@ std::size_t framed_bytes(std::size_t characters, std::size_t number) {
 }
 
 WiredPlanner::WiredPlanner(const MachineLimits& limits, BlockListener* listener)
-    : wired_(limits, listener), line_(limits.baud, limits.rx_bytes) {}
+    : wired_(limits, listener), line_(line_rate(limits), limits.rx_bytes) {}
 
 void WiredPlanner::receive(std::size_t characters) {
   if (wired_.limits().baud <= 0) return;
-  const double arrival_t = line_.arrival(framed_bytes(characters, ++number_));
+  const bool s3g = wired_.limits().firmware == Firmware::s3g;
+  const double arrival_t = line_.arrival(s3g ? kS3gMove : framed_bytes(characters, ++number_));
   if (arrival_t <= wired_.now()) return;
   if (!ideal_) {
     ideal_ = wired_;

@@ -19,10 +19,10 @@ std::unique_ptr<PrinterPort> start_session(DriverOptions options, SessionTiming 
 
 namespace voidpath::fw {
 
-std::unique_ptr<PrinterPort> open_s3g(PortOptions options, const s3g::Machine& machine,
-                                      std::shared_ptr<const Clock> clock, PrinterPort::Handler handler) {
+std::unique_ptr<PrinterPort> open_s3g(PortOptions options, std::shared_ptr<const Clock> clock,
+                                      PrinterPort::Handler handler) {
   s3g::DriverOptions driver;
-  driver.machine = machine;
+  driver.machine = options.s3g.value_or(s3g::Machine{});
   driver.boot_wait_s = options.boot_wait_s;
   driver.cancel_gcode = options.cancel_gcode;
   auto open = [port = options.port, baud = options.baud] { return open_serial_port(port, baud); };

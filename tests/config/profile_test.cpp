@@ -20,7 +20,7 @@ TEST_CASE("every shipped profile loads, alone and in every combination") {
     INFO(e.file);
     (e.kind == "printer" ? printers : e.kind == "material" ? materials : qualities).push_back(e.name);
   }
-  REQUIRE(printers.size() >= 4);
+  REQUIRE(printers.size() >= 6);
   REQUIRE(materials.size() >= 3);
   REQUIRE(qualities.size() >= 3);
   for (const auto& p : printers)
@@ -42,6 +42,26 @@ TEST_CASE("a base profile is laid under the one that names it") {
   CHECK(ender.print.filament.nozzle_c == 240);
   CHECK(ender.print.slice.layer_height_mm == 0.28);
   CHECK(ender.print.machine.start_gcode == load_profile("generic-marlin").print.machine.start_gcode);
+}
+
+TEST_CASE("the MakerBots are three machines of one family") {
+  const Profile two = load_profile("makerbot-replicator-2");
+  const Profile two_x = load_profile("makerbot-replicator-2x,abs");
+  const Profile first = load_profile("makerbot-replicator,abs");
+  for (const Profile* p : {&two, &two_x, &first}) {
+    CHECK(p->limits.firmware == motion::Firmware::s3g);
+    CHECK(p->print.machine.origin_at_centre);
+    REQUIRE(p->limits.jerk_mm_s.has_value());
+    CHECK((*p->limits.jerk_mm_s)[0] == 15);
+    CHECK(p->cancel_gcode.size() == 3);
+  }
+  CHECK(two.extruders == 1);
+  CHECK_FALSE(two.heated_bed);
+  CHECK(two_x.extruders == 2);
+  CHECK(two_x.heated_bed);
+  CHECK(two_x.print.machine.bed_mm[0] == 246);
+  CHECK(first.limits.steps_per_mm[0] == Approx(94.139704));
+  CHECK(first.limits.travel_mm[2] == 150);
 }
 
 TEST_CASE("a value set by hand wins, and changes the hash") {

@@ -57,7 +57,7 @@ BenchRig::BenchRig(Options options) : options_(std::move(options)), listen_("127
   std::ofstream(scratch_ / "voidpath.yaml") << "state_dir: " << (scratch_ / "state").string() << "\nweb: {listen: \""
                                             << listen_ << "\"}\nsettle_s: 0.3\norient: {budget_s: 0}\n"
                                             << options_.extra_config
-                                            << "printers:\n  - name: mock\n    profile: generic-marlin\n    port: "
+                                            << "printers:\n  - name: mock\n    profile: " << options_.profile << "\n    port: "
                                             << (scratch_ / "tty").string() << "\n    watch: ["
                                             << inbox().string() << "]\n    auto_clear: "
                                             << (options_.auto_clear ? "true" : "false") << "\n    clock: "
@@ -67,6 +67,7 @@ BenchRig::BenchRig(Options options) : options_(std::move(options)), listen_("127
 void BenchRig::start_mock() {
   std::vector<std::string> args = {program("mock-printer"), "--link",  scratch_ / "tty",   "--speed", options_.mock_speed,
                                    "--clock",               scratch_ / "clock", "--log", scratch_ / "mock.log"};
+  args.insert(args.end(), options_.mock_args.begin(), options_.mock_args.end());
   if (!options_.faults.empty()) {
     std::ofstream(scratch_ / "faults.yaml") << options_.faults;
     args.insert(args.end(), {"--faults", scratch_ / "faults.yaml"});

@@ -18,6 +18,8 @@ class BenchRig {
     std::string mock_speed = "0";
     std::string faults = "";        ///< text of a fault script; empty: none
     std::string extra_config = "";  ///< top-level lines
+    std::string profile = "generic-marlin";
+    std::vector<std::string> mock_args = {};
   };
   BenchRig() : BenchRig(Options{}) {}
   explicit BenchRig(Options options);

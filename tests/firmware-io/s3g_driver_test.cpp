@@ -205,6 +205,12 @@ TEST_CASE("every fault of the wire: each command exactly once, in order", "[s3g]
             REQUIRE_FALSE(moves_filament);
           }
         }
+        std::string last_words;
+        const auto dialogue = bench.recorder.lines();
+        for (std::size_t i = dialogue.size() < 20 ? 0 : dialogue.size() - 20; i < dialogue.size(); ++i) {
+          last_words += dialogue[i] + "\n";
+        }
+        INFO(last_words);
         REQUIRE(at == want.size());
         CHECK(bench.mock.violations().empty());
         CHECK_FALSE(bench.said("may have run twice"));

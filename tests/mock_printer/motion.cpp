@@ -21,7 +21,7 @@ void Motion::update(double now) {
       planner_.release();
       running_ = false;
       start = last_end_ = block_end_;
-    } else if (planner_.queued() < kBlocksToStart && now < deliver_at_) {
+    } else if (!planner_.settings().sailfish && planner_.queued() < kBlocksToStart && now < deliver_at_) {
       return;
     }
     const Block* block = planner_.take();

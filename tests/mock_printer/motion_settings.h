@@ -22,6 +22,8 @@ struct MotionSettings {
   bool classic_jerk = false;
   double junction_deviation = 0.013;
   Axes jerk{8, 8, 0.4, 5};  ///< mm/s
+  /// Sailfish's rules instead of Marlin's: corners, accelerations, no shortest move, no waiting for company.
+  bool sailfish = false;
   double min_segment_time_s = 0.020;
   double min_speed = 0;         ///< mm/s, of moves that extrude
   double min_travel_speed = 0;  ///< mm/s

@@ -74,7 +74,7 @@ bool Planner::add_move(const Axes& target, double feed, double flow) {
     mm[i] = scaled / settings_.steps_per_mm[i];
     const std::int32_t count = std::abs(block.steps[i]);
     block.step_events = std::max(block.step_events, static_cast<std::uint32_t>(count));
-    if (count >= kMinStepsPerSegment) {
+    if (count >= (settings_.sailfish ? 1 : kMinStepsPerSegment)) {
       long_enough = true;
       if (i != kE) only_e = false;
     }
@@ -89,12 +89,13 @@ bool Planner::add_move(const Axes& target, double feed, double flow) {
   for (double& c : direction) c /= block.length;
   if (block.steps[kE] != 0) direction = unit(direction);
   const bool from_rest = head_ == nonbusy_ || previous_nominal_ == 0;
-  block.max_entry_speed2 = settings_.classic_jerk ? jerk_speed2(block, speed, from_rest)
-                                                  : junction_speed2(block, direction, from_rest);
+  block.max_entry_speed2 = settings_.sailfish       ? sailfish_speed2(block, speed, from_rest)
+                           : settings_.classic_jerk ? jerk_speed2(block, speed, from_rest)
+                                                    : junction_speed2(block, direction, from_rest);
   block.entry_speed2 = square(kMinimumPlannerSpeed);
 
   previous_direction_ = direction;
-  previous_speed_ = speed;
+  if (!settings_.sailfish) previous_speed_ = speed;
   previous_nominal_ = block.nominal_speed;
   steps_ = goal;
   shaped_exit_[head_ % ring_.size()] = -1;
@@ -141,6 +142,10 @@ void Planner::limit_acceleration(Block& block) const {
     if (block.steps[i] == 0) continue;
     const double axis_limit = std::floor(settings_.max_acceleration[i] * settings_.steps_per_mm[i]);
     const double allowed = std::floor(axis_limit * block.step_events / std::abs(block.steps[i]));
+    if (settings_.sailfish) {
+      if (rate > allowed) rate = axis_limit;
+      continue;
+    }
     rate = std::min(rate, allowed);
   }
   constexpr double kLeast = 1, kMost = 4e9;
@@ -207,10 +212,32 @@ double Planner::jerk_speed2(const Block& block, const Axes& speed, bool from_res
   return square(corner);
 }
 
+/// Sailfish: each axis may change its speed by its jerk, between the speed at which the last corner was
+/// passed and this block's; all axes give way by the same share.
+double Planner::sailfish_speed2(const Block& block, const Axes& speed, bool from_rest) {
+  const double gentlest = *std::min_element(settings_.jerk.begin(), settings_.jerk.end());
+  double share = 1;
+  if (from_rest) {
+    share = std::min(1.0, kSailfishMinimumSpeed / block.nominal_speed);
+  } else if (block.nominal_speed > gentlest) {
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      const double before = previous_speed_[i];
+      const double highest = before + settings_.jerk[i], lowest = before - settings_.jerk[i];
+      if (speed[i] >= lowest && speed[i] <= highest) continue;
+      const double nearest = speed[i] > highest ? highest : lowest;
+      share = std::min(share, speed[i] == 0 ? 0 : nearest / speed[i]);
+    }
+    share = std::max(share, 0.0);
+  }
+  for (std::size_t i = 0; i < kAxes; ++i) previous_speed_[i] = speed[i] * share;
+  return square(std::max(block.nominal_speed * share, std::min(kSailfishMinimumSpeed, block.nominal_speed)));
+}
+
 void Planner::look_ahead() {
   // Backwards: the fastest entry from which a block can still slow down to the entry of its successor. The
   // first block that is not busy keeps its entry, since its predecessor already runs towards it.
-  double exit2 = square(kMinimumPlannerSpeed);
+  const double slowest = settings_.sailfish ? kSailfishMinimumSpeed : kMinimumPlannerSpeed;
+  double exit2 = square(slowest);
   std::uint64_t first = nonbusy_;
   while (first < head_ && !at(first).is_move()) ++first;
   for (std::uint64_t seq = head_; seq-- > first + 1;) {
@@ -230,7 +257,7 @@ void Planner::look_ahead() {
           block.entry_speed2, reachable2(previous->acceleration, previous->entry_speed2, previous->length));
     previous = &block;
   }
-  double exit_speed = kMinimumPlannerSpeed;
+  double exit_speed = slowest;
   for (std::uint64_t seq = head_; seq-- > first;) {
     if (!at(seq).is_move()) continue;
     shape(seq, exit_speed);

@@ -37,6 +37,8 @@ double stepping_seconds(const Block& block);
 inline constexpr std::uint32_t kMinimalRate = 120;
 /// The speed at which motion starts from rest and ends, mm/s.
 inline constexpr double kMinimumPlannerSpeed = 0.05;
+/// The same in Sailfish, mm/s.
+inline constexpr double kSailfishMinimumSpeed = 2;
 /// A move with fewer steps than this on every axis is not queued; the next one takes its length along.
 inline constexpr std::int32_t kMinStepsPerSegment = 6;
 
@@ -79,6 +81,7 @@ class Planner {
   void limit_speed(Block& block, double feed, const Axes& mm, Axes& speed) const;
   void limit_acceleration(Block& block) const;
   double junction_speed2(const Block& block, const Axes& direction, bool from_rest) const;
+  double sailfish_speed2(const Block& block, const Axes& speed, bool from_rest);
   double jerk_speed2(const Block& block, const Axes& speed, bool from_rest);
   double acceleration_along(double limit, const Axes& direction) const;
   void look_ahead();

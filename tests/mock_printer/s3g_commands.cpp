@@ -262,7 +262,16 @@ void MockS3g::home(const std::string& p) {
   if ((to_max && (axes & 4U) != 0) || (!to_max && (axes & 3U) != 0)) violate("homing against the frame");
   if (unsigned_at(p, 2, 4) == 0 || unsigned_at(p, 6, 2) == 0) violate("homing at no speed or for no time");
   say((to_max ? "G162" : "G161") + axes_text(axes));
-  timed(options_.homing_s, totals_.homing_s);
+  // All together, each at the told time a step, until it meets its switch.
+  double steps = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if ((axes >> i & 1U) == 0) continue;
+    steps = std::max(steps, std::abs(static_cast<double>(options_.home[i] - position_[i])));
+    position_[i] = options_.home[i];
+  }
+  motion_.set_position(position_mm());
+  motion_.align_steps();
+  timed(steps * unsigned_at(p, 2, 4) / 1e6, totals_.homing_s);
 }
 
 void MockS3g::tool_action(const std::string& p) {

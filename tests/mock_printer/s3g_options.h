@@ -24,9 +24,8 @@ struct S3gOptions {
   bool counts_lines = true;  ///< the line counter of query 24 works
   bool advanced_version = true;
   double turnaround_s = 0;  ///< from a packet's last byte to the reply's first
-  double homing_s = 4;
   /// Where the stored home position lies, steps: X and Y at the far end, Z at the plate.
-  std::array<std::int32_t, 5> home{13511, 6667, 0, 0, 0};
+  std::array<std::int32_t, 5> home{12667, 6756, 0, 0, 0};
   HeaterModel hotend{};
   HeaterModel bed{25, 125, 250, 120};
   std::vector<Fault> faults;
@@ -43,6 +42,7 @@ struct S3gOptions {
     m.classic_jerk = true;
     m.jerk = {15, 15, 10, 20};
     m.min_segment_time_s = 0;
+    m.sailfish = true;
     return m;
   }
 };
