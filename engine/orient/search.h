@@ -73,7 +73,25 @@ struct Candidate {
   double score = 0;  ///< weighted sum of criteria scaled over all candidates (eq. 3.1, 3.2); less is better
   bool printable = true;
   std::string why;   ///< why not printable, in words; empty if it is
-  std::optional<double> predicted_s;
+  /// About the build axis, after mesh::turned(): 0 for what the search lists, something else for what
+  /// pipeline::time_candidates adds because it prints faster so.
+  double turn_rad = 0;
+  std::optional<double> predicted_s;  ///< sliced and timed in full
+  std::optional<double> sampled_s;    ///< from a sample of its layers; see Choice::timing
+};
+
+/// What pipeline::time_candidates did.
+struct Timing {
+  std::size_t asked = 0;    ///< printable candidates it looked at, the baselines among them
+  std::size_t in_full = 0;  ///< of these, timed in full
+  std::size_t sampled = 0;  ///< of these, timed on a sample of their layers only
+  /// Candidates whose sampled time is longer than the chosen one's by more than this share cannot be quicker,
+  /// as far as samples and full times have been compared.
+  double sample_error = 0;
+  /// Timed in full wherever a sample could not tell: no baseline is quicker. False when the budget was spent
+  /// before.
+  bool complete = false;
+  bool budget_spent = false;
 };
 
 struct Choice {
@@ -84,6 +102,7 @@ struct Choice {
   /// What the chosen one was timed against, by name ("as-delivered", "thesis", "axis +x", ...); filled by
   /// pipeline::choose for Method::toolpath.
   std::map<std::string, std::size_t> baselines;
+  Timing timing;  ///< filled like the baselines
   Weights weights;
   Method method = Method::toolpath;
   std::string why;  ///< the reason in words: "82 mm instead of 140 mm tall; 31 % less support"

@@ -22,8 +22,8 @@ constexpr double kSameUnprintability = 1e-9;
 
 /// The first of those least by `value`, up to `tolerance`, the part as it came before all others.
 template <class Value>
-std::optional<std::size_t> first_of_least(const Choice& choice, const std::vector<std::size_t>& among, Value value,
-                                 double tolerance) {
+std::optional<std::size_t> first_of_least(const Choice& choice, const std::vector<std::size_t>& among,
+                                          Value value, double tolerance) {
   double least = std::numeric_limits<double>::infinity();
   for (const std::size_t i : among) least = std::min(least, value(i));
   std::optional<std::size_t> best;

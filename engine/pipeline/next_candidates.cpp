@@ -29,8 +29,9 @@ constexpr double kNear_cos = 0.766;
 
 }  // namespace
 
-NextCandidates::NextCandidates(const orient::Choice& choice, const std::vector<Underside>& under)
-    : choice_(choice), features_(choice.candidates.size()) {
+NextCandidates::NextCandidates(const orient::Choice& choice, const std::vector<Underside>& under,
+                               KnownTime known)
+    : choice_(choice), known_(std::move(known)), features_(choice.candidates.size()) {
   std::array<double, kFeatures> low, high;
   low.fill(std::numeric_limits<double>::infinity());
   high.fill(-std::numeric_limits<double>::infinity());
@@ -60,10 +61,11 @@ std::vector<double> NextCandidates::predict() const {
   std::size_t timed = 0;
   for (std::size_t i = 0; i < features_.size(); ++i) {
     const Candidate& c = choice_.candidates[i];
-    if (!c.predicted_s || !c.printable) continue;
+    const auto time = known_(i);
+    if (!time || !c.printable) continue;
     const Row x = Row::Map(features_[i].data());
     normal += x * x.transpose();
-    right += x * std::log(std::max(*c.predicted_s, 1e-3));
+    right += x * std::log(std::max(*time, 1e-3));
     ++timed;
   }
   std::vector<double> out(features_.size(), std::numeric_limits<double>::infinity());
@@ -80,13 +82,15 @@ std::vector<std::size_t> NextCandidates::next(std::size_t count) const {
   std::vector<std::size_t> open;
   std::vector<geom::Vec3> seen;
   std::optional<std::size_t> best;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (!all[i].predicted_s) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < features_.size(); ++i) {
+    const auto time = known_(i);
+    if (!time) {
       if (all[i].printable) open.push_back(i);
       continue;
     }
     seen.push_back(all[i].direction);
-    if (all[i].printable && (!best || *all[i].predicted_s < *all[*best].predicted_s)) best = i;
+    if (all[i].printable && *time < least) best = i, least = *time;
   }
   const std::vector<double> predicted = predict();
   const auto nearness = [&](std::size_t i) {
@@ -103,15 +107,15 @@ std::vector<std::size_t> NextCandidates::next(std::size_t count) const {
   std::vector<std::size_t> out;
   for (std::size_t turn = 0; out.size() < count && !open.empty(); ++turn) {
     std::erase_if(open, [&](std::size_t i) { return !is_new(i); });
-    const auto least = [&](const auto& value) {
+    const auto first = [&](const auto& value) {
       return std::min_element(open.begin(), open.end(),
                               [&](std::size_t a, std::size_t b) { return value(a) < value(b); });
     };
     const auto by_prediction = [&](std::size_t i) { return predicted[i]; };
-    auto pick = least(by_prediction);
-    if (turn % 4 == 2) pick = least([&](std::size_t i) { return all[i].score; });
+    auto pick = first(by_prediction);
+    if (turn % 4 == 2) pick = first([&](std::size_t i) { return all[i].score; });
     if (turn % 4 == 3) {
-      const auto near = least(nearness);
+      const auto near = first(nearness);
       if (near != open.end() && std::isfinite(nearness(*near))) pick = near;
     }
     if (pick == open.end()) break;

@@ -63,8 +63,7 @@ Prepared prepare(const fs::path& model, const fs::path& gcode_out, const Prepare
   try {
     const fs::path scratch = gcode_out.string() + ".as-delivered";
     p.as_delivered =
-        slice_part_to(p.model.mesh, delivered.direction, held(options, delivered), scratch, ctx)
-            .estimate;
+        slice_part_to(p.model.mesh, delivered.direction, held(options, delivered), scratch, ctx).estimate;
     std::error_code ec;
     fs::remove(scratch, ec);
     delivered.predicted_s = p.as_delivered->predicted_s;

@@ -14,6 +14,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <numbers>
 #include <sstream>
 
 #include <fcntl.h>
@@ -57,22 +58,41 @@ struct Placed {
   toolpath::PrintSettings print;
 };
 
-Placed place(const mesh::TriangleMesh& mesh, const geom::Vec3& direction, const PrepareOptions& options) {
-  Placed placed{mesh::turned(mesh, direction), options.print};
+std::string turn_text(double turn_rad) {
+  return turn_rad == 0 ? ""
+                       : "; turned about the build axis by " +
+                             orient::number(turn_rad * 180 / std::numbers::pi, 1) + " degrees";
+}
+
+/// A part exactly as large as the printer fits, whatever rounding did to it. mm
+constexpr double kRounding_mm = 1e-6;
+
+/// The turn about the build axis that makes it fit, the one asked for or, where none is, any. Nothing when it
+/// does not fit.
+std::optional<double> fitting_turn(const mesh::TriangleMesh& mesh, const Placed& placed, const Pose& pose,
+                                   const orient::PrintLimits& limits) {
+  if (pose.turn_rad == 0) return orient::bed_turn(mesh, pose.direction, limits);
+  const geom::Vec3 size = mesh::bounds(placed.mesh).size();
+  for (int a = 0; a < 2; ++a)
+    if (size[a] + 2 * limits.bed_margin_mm > limits.volume_mm[static_cast<std::size_t>(a)] + kRounding_mm)
+      return std::nullopt;
+  return 0;  // turned already
+}
+
+Placed place(const mesh::TriangleMesh& mesh, const Pose& pose, const PrepareOptions& options) {
+  Placed placed{turned_about_z(mesh::turned(mesh, pose.direction), pose.turn_rad), options.print};
   const auto& machine = options.print.machine;
   auto& slice = placed.print.slice;
   const geom::Vec3 size = mesh::bounds(placed.mesh).size();
   orient::PrintLimits limits;
   limits.volume_mm = {machine.bed_mm[0], machine.bed_mm[1], machine.height_mm};
   limits.bed_margin_mm = collar_mm(slice) + skirt_mm(slice);
-  auto turn = orient::bed_turn(mesh, direction, limits);
+  auto turn = fitting_turn(mesh, placed, pose, limits);
   if (!turn) {
     slice.skirt_loops = 0;
     limits.bed_margin_mm = collar_mm(slice);
-    turn = orient::bed_turn(mesh, direction, limits);
+    turn = fitting_turn(mesh, placed, pose, limits);
   }
-  // A part exactly as tall as the printer fits, whatever rounding did to its height.
-  constexpr double kRounding_mm = 1e-6;
   if (!turn || size.z() + toolpath::raft_lift_mm(slice) > machine.height_mm + kRounding_mm)
     throw Refused("the part is " + size_text(size.x(), size.y(), size.z()) +
                   " in this orientation and does not fit the printer's " +
@@ -83,7 +103,7 @@ Placed place(const mesh::TriangleMesh& mesh, const geom::Vec3& direction, const 
 }
 
 /// Comment lines.
-std::string thumbnails(const Placed& placed, const run::Context& ctx) {
+std::string thumbnails(const CutPart& placed, const run::Context& ctx) {
   std::string out;
   for (const std::string& text : placed.print.machine.thumbnails) {
     const auto [width, height] = render::picture_size(text);
@@ -154,32 +174,40 @@ PrepareOptions held(const PrepareOptions& options, const orient::Candidate& cand
   return out;
 }
 
-toolpath::EmitStats slice_part(const mesh::TriangleMesh& mesh, const geom::Vec3& direction,
-                               const PrepareOptions& options, std::ostream& out, const run::Context& ctx,
-                               bool pictures) {
-  const Placed placed = place(mesh, direction, options);
-  const auto& s = placed.print.slice;
-  auto stack = slice::slice_mesh(placed.mesh, layer_spans(placed.mesh, s, ctx), {}, ctx);
-  toolpath::place_on_bed(stack, placed.print.machine);
-  const toolpath::Plan plan = toolpath::build(stack, placed.print, ctx);
-  if (plan.layers.empty())
-    throw Refused("nothing is left to print: the part is thinner than a line everywhere");
-  std::string header = "up in the model: " + orient::number(direction.x(), 6) + ", " +
-                       orient::number(direction.y(), 6) + ", " + orient::number(direction.z(), 6);
-  if (pictures) header += thumbnails(placed, ctx);
-  return toolpath::emit(plan, placed.print, header, out, ctx);
+CutPart cut_part(const mesh::TriangleMesh& mesh, const Pose& pose, const PrepareOptions& options,
+                 const run::Context& ctx) {
+  Placed placed = place(mesh, pose, options);
+  CutPart out;
+  out.stack = slice::slice_mesh(placed.mesh, layer_spans(placed.mesh, placed.print.slice, ctx), {}, ctx);
+  toolpath::place_on_bed(out.stack, placed.print.machine);
+  out.mesh = std::move(placed.mesh);
+  out.print = std::move(placed.print);
+  return out;
 }
 
-SlicedPart slice_part_to(const mesh::TriangleMesh& mesh, const geom::Vec3& direction,
+toolpath::EmitStats slice_part(const mesh::TriangleMesh& mesh, const Pose& pose, const PrepareOptions& options,
+                               std::ostream& out, const run::Context& ctx, bool pictures) {
+  const CutPart part = cut_part(mesh, pose, options, ctx);
+  const toolpath::Plan plan = toolpath::build(part.stack, part.print, ctx);
+  if (plan.layers.empty())
+    throw Refused("nothing is left to print: the part is thinner than a line everywhere");
+  std::string header = "up in the model: " + orient::number(pose.direction.x(), 6) + ", " +
+                       orient::number(pose.direction.y(), 6) + ", " +
+                       orient::number(pose.direction.z(), 6) + turn_text(pose.turn_rad);
+  if (pictures) header += thumbnails(part, ctx);
+  return toolpath::emit(plan, part.print, header, out, ctx);
+}
+
+SlicedPart slice_part_to(const mesh::TriangleMesh& mesh, const Pose& pose,
                          const PrepareOptions& options, const fs::path& file, const run::Context& ctx) {
   SlicedPart part;
   AtomicFile out(file);
   if (options.print.machine.progress) {
     std::stringstream text;
-    part.stats = slice_part(mesh, direction, options, text, ctx, true);
+    part.stats = slice_part(mesh, pose, options, text, ctx, true);
     gcode::add_progress(text, out.stream(), options.limits, ctx);
   } else {
-    part.stats = slice_part(mesh, direction, options, out.stream(), ctx, true);
+    part.stats = slice_part(mesh, pose, options, out.stream(), ctx, true);
   }
   out.close();
   part.estimate = gcode::estimate_file(out.path(), options.limits, ctx);
@@ -187,10 +215,10 @@ SlicedPart slice_part_to(const mesh::TriangleMesh& mesh, const geom::Vec3& direc
   return part;
 }
 
-double time_part(const mesh::TriangleMesh& mesh, const geom::Vec3& direction, const PrepareOptions& options,
+double time_part(const mesh::TriangleMesh& mesh, const Pose& pose, const PrepareOptions& options,
                  const run::Context& ctx) {
   std::stringstream text;
-  slice_part(mesh, direction, options, text, ctx);
+  slice_part(mesh, pose, options, text, ctx);
   return gcode::estimate(text, options.limits, ctx).predicted_s;
 }
 

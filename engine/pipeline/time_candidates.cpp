@@ -3,12 +3,13 @@
 #include "engine/orient/words.h"
 #include "engine/pipeline/baselines.h"
 #include "engine/pipeline/next_candidates.h"
-#include "engine/pipeline/slice_part.h"
-#include "engine/run/parallel_for.h"
+#include "engine/pipeline/refine.h"
+#include "engine/pipeline/sample_time.h"
+#include "engine/pipeline/trial.h"
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
+#include <numbers>
 
 namespace voidpath::pipeline {
 
@@ -19,58 +20,13 @@ using orient::Choice;
 using orient::Origin;
 
 constexpr std::size_t kRestingBaselines = 4;
-/// Candidates timed between two looks at what the times tell.
+/// Candidates sampled between two looks at what the times tell.
 constexpr std::size_t kWave = 4;
-
-/// What is left of the budget. Clock of the caller; any thread.
-class Budget {
- public:
-  explicit Budget(const PrepareOptions& options)
-      : now_s_(options.now_s), budget_s_(options.budget_s), began_(now_s_ ? now_s_() : 0) {}
-
-  double spent() const { return now_s_ ? now_s_() - began_ : 0; }
-  /// A slicing that takes as long as those before it took on average can still end in time.
-  bool has_room() const {
-    if (!now_s_) return true;
-    const std::lock_guard lock(mutex_);
-    return spent() + (slicings_ > 0 ? slicing_s_ / slicings_ : 0) < budget_s_;
-  }
-  void took(double seconds) {
-    const std::lock_guard lock(mutex_);
-    slicing_s_ += seconds;
-    ++slicings_;
-  }
-  double fraction() const { return budget_s_ > 0 ? std::min(1.0, spent() / budget_s_) : 1; }
-
- private:
-  const std::function<double()>& now_s_;
-  double budget_s_;
-  double began_;
-  mutable std::mutex mutex_;
-  double slicing_s_ = 0;
-  int slicings_ = 0;
-};
-
-/// One candidate a thread: whole slicings side by side waste less than one slicing on all threads. Those
-/// timed already are passed over; with `bounded`, those for which the budget has no room left.
-void time_all(const mesh::TriangleMesh& mesh, const PrepareOptions& options, Choice& choice,
-              const std::vector<std::size_t>& which, Budget& budget, bool bounded, const run::Context& ctx) {
-  run::Context inner = ctx;
-  inner.threads = 1;
-  inner.on_progress = nullptr;
-  run::parallel_for(ctx, which.size(), [&](std::size_t i) {
-    Candidate& c = choice.candidates[which[i]];
-    if (c.predicted_s || (bounded && !budget.has_room())) return;
-    const double began = budget.spent();
-    try {
-      c.predicted_s = time_part(mesh, c.direction, options, inner);
-    } catch (const Refused& e) {
-      c.printable = false;
-      c.why = e.what();
-    }
-    budget.took(budget.spent() - began);
-  });
-}
+/// How many of the quickest are looked around.
+constexpr std::size_t kRefined = 2;
+/// A turn about the build axis is worth timing in full when its sample is quicker by this share; the samples
+/// of one direction err alike.
+constexpr double kTurnGain = 0.003;
 
 std::string duration(double seconds) {
   const long minutes = std::lround(seconds / 60);
@@ -80,26 +36,119 @@ std::string duration(double seconds) {
          std::to_string(minutes % 60) + " min";
 }
 
-std::string explain(const Choice& choice, const std::string& by_criteria) {
+std::string explain(const Choice& choice, const Trial& trial, const std::string& by_criteria) {
   const Candidate& c = choice.candidates[choice.chosen];
-  const Candidate& d = choice.candidates[choice.as_delivered];
-  if (choice.chosen == choice.as_delivered) return "as delivered prints fastest of all that were timed";
-  if (!d.predicted_s || !c.predicted_s) return by_criteria;
-  const double saved = *d.predicted_s - *c.predicted_s;
-  return duration(*c.predicted_s) + " instead of " + duration(*d.predicted_s) + " (" +
-         orient::number(100 * saved / *d.predicted_s, 0) + " % less): " + by_criteria;
+  const auto chosen_s = trial.known(choice.chosen);
+  const auto delivered_s = trial.known(choice.as_delivered);
+  const orient::Timing& t = choice.timing;
+  std::string out = by_criteria;
+  if (choice.chosen == choice.as_delivered) {
+    out = "as delivered prints fastest of all that were timed";
+  } else if (chosen_s && delivered_s) {
+    const bool sampled = !c.predicted_s || !choice.candidates[choice.as_delivered].predicted_s;
+    out = duration(*chosen_s) + " instead of " + (sampled ? "about " : "") + duration(*delivered_s) + " (" +
+          orient::number(100 * (*delivered_s - *chosen_s) / *delivered_s, 0) + " % less): " + by_criteria;
+  }
+  if (c.turn_rad != 0)
+    out += "; turned by " + orient::number(c.turn_rad * 180 / std::numbers::pi, 0) +
+           " degrees about the build axis, which prints faster";
+  if (!t.complete)
+    out += "; the time allowed was over before all was settled: " + std::to_string(t.in_full) + " of " +
+           std::to_string(t.asked) + " directions timed in full, " + std::to_string(t.sampled) +
+           " on a sample of their layers";
+  return out;
 }
 
-/// A part that does not stand as it came was no candidate; what turning it saves is told all the same.
-void time_as_delivered(const mesh::TriangleMesh& mesh, const PrepareOptions& options, Choice& choice,
-                       const run::Context& ctx) {
+/// The baselines once each, what a user compares with first: when time is short these are timed at least.
+std::vector<std::size_t> in_order(const Choice& choice) {
+  std::vector<std::size_t> out{choice.chosen};
+  const auto add = [&](std::size_t i) {
+    if (choice.candidates[i].printable && std::find(out.begin(), out.end(), i) == out.end()) out.push_back(i);
+  };
+  add(choice.as_delivered);
+  for (const char* name : {"thesis", "lowest", "resting face 1", "ahsan"}) {
+    const auto found = choice.baselines.find(name);
+    if (found != choice.baselines.end()) add(found->second);
+  }
+  for (const auto& [name, i] : choice.baselines) add(i);
+  return out;
+}
+
+/// A part that does not stand as it came was no candidate; what turning it saves is told all the same, from a
+/// sample.
+void sample_as_delivered(const mesh::TriangleMesh& mesh, const PrepareOptions& options, Choice& choice,
+                         Trial& trial, const run::Context& ctx) {
   Candidate& d = choice.candidates[choice.as_delivered];
-  if (d.predicted_s) return;
+  if (d.printable || d.predicted_s || d.sampled_s || !trial.budget().has_room(0)) return;
   try {
-    d.predicted_s = time_part(mesh, d.direction, held(options, d), ctx);
+    const SampledTime t = sample_time(mesh, d, held(options, d), ctx);
+    (t.planned == t.layers ? d.predicted_s : d.sampled_s) = t.seconds;
   } catch (const Refused&) {
     // It does not fit: there is nothing to compare with.
   }
+}
+
+void sample_in_waves(Trial& trial, const std::vector<std::size_t>& which) {
+  for (std::size_t k = 0; k < which.size() && !trial.budget_spent(); k += kWave)
+    trial.sample({which.begin() + static_cast<std::ptrdiff_t>(k),
+                  which.begin() + static_cast<std::ptrdiff_t>(std::min(which.size(), k + kWave))});
+}
+
+/// The quickest known, at most `count`, one a direction.
+std::vector<std::size_t> leaders(const Choice& choice, const Trial& trial, std::size_t count) {
+  std::vector<std::size_t> out;
+  for (std::size_t i = 0; i < choice.candidates.size(); ++i)
+    if (choice.candidates[i].printable && trial.known(i)) out.push_back(i);
+  std::stable_sort(out.begin(), out.end(),
+                   [&](std::size_t a, std::size_t b) { return *trial.known(a) < *trial.known(b); });
+  out.resize(std::min(out.size(), count));
+  return out;
+}
+
+void refine(const mesh::TriangleMesh& mesh, const PrepareOptions& options, Choice& choice, Trial& trial,
+            const run::Context& ctx) {
+  for (const std::size_t i : leaders(choice, trial, kRefined)) {
+    if (!trial.budget().has_room(0)) return;
+    const auto added = add_neighbours(mesh, choice, i, options, ctx);
+    sample_in_waves(trial, added);
+    trial.settle(added);
+  }
+  for (const std::size_t i : leaders(choice, trial, kRefined)) {
+    if (!trial.budget().has_room(0)) return;
+    const auto added = add_turns(choice, i, options);
+    sample_in_waves(trial, added);
+    // Sample against sample; without samples both times are exact.
+    const Candidate base = choice.candidates[i];
+    std::optional<std::size_t> quickest;
+    for (const std::size_t k : added) {
+      const auto& c = choice.candidates[k];
+      if (!c.printable || !c.sampled_s || !base.sampled_s) continue;
+      if (*c.sampled_s > *base.sampled_s * (1 - kTurnGain)) continue;
+      if (!quickest || *c.sampled_s < *choice.candidates[*quickest].sampled_s) quickest = k;
+    }
+    if (quickest) trial.time_rest({*quickest});
+  }
+}
+
+void pick(Choice& choice, const Trial& trial) {
+  const auto time_of = [&](std::size_t i) { return trial.known(i).value_or(1e300); };
+  std::size_t best = choice.chosen;
+  for (std::size_t i = 0; i < choice.candidates.size(); ++i) {
+    // Turns are there for their gain: only a full time can show it.
+    const bool shown = choice.candidates[i].turn_rad == 0 || choice.candidates[i].predicted_s;
+    const bool quicker =
+        time_of(i) < time_of(best) ||
+        (time_of(i) == time_of(best) && choice.candidates[i].score < choice.candidates[best].score);
+    if (choice.candidates[i].printable && shown && quicker) best = i;
+  }
+  // Of equals, the part as it came.
+  if (choice.candidates[choice.as_delivered].printable && time_of(choice.as_delivered) <= time_of(best))
+    best = choice.as_delivered;
+  choice.chosen = best;
+  choice.ties.clear();
+  for (std::size_t i = 0; i < choice.candidates.size(); ++i)
+    if (choice.candidates[i].printable && time_of(i) == time_of(best)) choice.ties.push_back(i);
+  if (choice.ties.empty()) choice.ties.push_back(best);
 }
 
 }  // namespace
@@ -130,44 +179,52 @@ std::map<std::string, std::size_t> find_baselines(const Choice& choice) {
 void time_candidates(const mesh::TriangleMesh& mesh, const PrepareOptions& options, Choice& choice,
                      const run::Context& ctx) {
   if (!choice.candidates[choice.chosen].printable) return;  // nothing stands: nothing to compare
-  Budget budget(options);
   const std::vector<Underside> under = undersides_of(mesh, choice, options, ctx);
   choice.baselines = find_baselines(choice);
   if (const auto i = least_overhang(choice, under, mesh::surface_area(mesh)))
     choice.baselines.emplace("least overhang", *i);
+  Trial trial(mesh, options, choice, ctx);
 
-  std::vector<std::size_t> wave;
-  for (const auto& [name, i] : choice.baselines)
-    if (std::find(wave.begin(), wave.end(), i) == wave.end()) wave.push_back(i);
   ctx.progress("time", 0);
-  time_all(mesh, options, choice, wave, budget, false, ctx);
+  const std::vector<std::size_t> baselines = in_order(choice);
+  std::vector<std::size_t> asked = baselines;
+  sample_in_waves(trial, baselines);
+  bool settled = !trial.budget_spent() && trial.settle(baselines);
 
   std::size_t left = options.max_extra.value_or(options.now_s ? choice.candidates.size() : 0);
-  const NextCandidates queue(choice, under);
-  while (left > 0 && budget.has_room()) {
-    ctx.progress("time", budget.fraction());
-    wave = queue.next(std::min(left, kWave));
+  const NextCandidates queue(choice, under, [&](std::size_t i) { return trial.known(i); });
+  while (left > 0 && settled && !trial.budget_spent()) {
+    const std::vector<std::size_t> wave = queue.next(std::min(left, kWave));
     if (wave.empty()) break;
     left -= wave.size();
-    time_all(mesh, options, choice, wave, budget, true, ctx);
+    trial.sample(wave);
+    asked.insert(asked.end(), wave.begin(), wave.end());
+    settled = trial.settle(asked);
   }
+  const std::size_t listed = choice.candidates.size();
+  if (settled && !trial.budget_spent() && options.max_extra.value_or(1) > 0 &&
+      (options.now_s || options.max_extra))
+    refine(mesh, options, choice, trial, ctx);
+  const bool all_in_full = settled && !trial.budget_spent() && trial.time_rest(baselines);
 
-  const auto time_of = [&](std::size_t i) { return choice.candidates[i].predicted_s.value_or(1e300); };
-  std::size_t best = choice.chosen;
-  for (std::size_t i = 0; i < choice.candidates.size(); ++i) {
-    const bool quicker =
-        time_of(i) < time_of(best) ||
-        (time_of(i) == time_of(best) && choice.candidates[i].score < choice.candidates[best].score);
-    if (choice.candidates[i].printable && quicker) best = i;
+  for (std::size_t i = listed; i < choice.candidates.size(); ++i) asked.push_back(i);
+  orient::Timing& t = choice.timing;
+  t = {};
+  for (const std::size_t i : asked) {
+    const Candidate& c = choice.candidates[i];
+    if (!c.printable) continue;
+    ++t.asked;
+    if (c.predicted_s)
+      ++t.in_full;
+    else if (c.sampled_s)
+      ++t.sampled;
   }
-  // Of equals, the part as it came.
-  if (choice.candidates[choice.as_delivered].printable && time_of(choice.as_delivered) <= time_of(best)) best = choice.as_delivered;
-  choice.chosen = best;
-  choice.ties.clear();
-  for (std::size_t i = 0; i < choice.candidates.size(); ++i)
-    if (choice.candidates[i].printable && time_of(i) == time_of(best)) choice.ties.push_back(i);
-  time_as_delivered(mesh, options, choice, ctx);
-  choice.why = explain(choice, orient::explain(choice));
+  t.sample_error = trial.sample_error();
+  t.complete = settled;
+  t.budget_spent = trial.budget_spent() || !all_in_full;
+  pick(choice, trial);
+  sample_as_delivered(mesh, options, choice, trial, ctx);
+  choice.why = explain(choice, trial, orient::explain(choice));
 }
 
 }  // namespace voidpath::pipeline

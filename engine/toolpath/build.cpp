@@ -64,29 +64,67 @@ void draft_adhesion(std::vector<LayerDraft>& drafts, const std::vector<BeadSize>
                                          beads[0].height_mm, beads[0].area_mm2()));
 }
 
+/// Supports with groups of layers as layers, each of the outline of its sample. A thick layer's z gap would
+/// take a whole group off a column, so none is kept.
+std::vector<SupportAreas> find_supports_of_groups(const slice::LayerStack& stack,
+                                                  const std::vector<LayerGroup>& groups,
+                                                  const std::vector<geom::Regions>& inner,
+                                                  const SliceSettings& settings, const run::Context& ctx,
+                                                  std::vector<double>& dense_mm2) {
+  if (settings.support == SupportMode::none) return std::vector<SupportAreas>(groups.size());
+  slice::LayerStack thick(groups.size());
+  std::vector<geom::Regions> thick_inner(groups.size());
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const LayerGroup& group = groups[g];
+    // From sample to sample, so that what leans out is judged by the way between the two outlines.
+    const double bottom_mm = g == 0 ? 0 : thick[g - 1].span.top_mm;
+    thick[g].span = {bottom_mm, g == 0 ? stack[0].span.top_mm : stack[group.sample].span.cut_mm()};
+    thick[g].regions = stack[group.sample].regions;
+    thick_inner[g] = inner[group.sample];
+  }
+  SliceSettings gapless = settings;
+  gapless.support_z_gap_mm = 0;
+  // Bridges need the layer that begins them, which is seldom a sample.
+  const std::vector<Surfaces> surfaces = find_surfaces(thick, thick_inner, gapless, ctx);
+  std::vector<SupportAreas> out = find_supports(thick, surfaces, gapless, ctx);
+  const auto interface_layers = static_cast<std::size_t>(std::max(settings.support_interface_layers, 0));
+  for (std::size_t g = 0; g < out.size(); ++g) {
+    dense_mm2[g] = geom::area(out[g].interface) / (geom::kNmPerMm * geom::kNmPerMm);
+    if (groups[g].count <= interface_layers) continue;
+    out[g].sparse = quick_unite(out[g].sparse, out[g].interface);
+    out[g].interface.clear();
+  }
+  return out;
+}
+
 }  // namespace
 
-Plan build(const slice::LayerStack& cuts, const PrintSettings& settings, const run::Context& ctx) {
-  if (settings.slice.spiral_vase) return build_vase(cuts, settings, ctx);
-  Plan plan;
-  const std::size_t n = cuts.size();
-  if (n == 0) return plan;
+SampledPlan build_samples(const slice::LayerStack& cuts, const std::vector<LayerGroup>& groups,
+                          const PrintSettings& settings, const run::Context& ctx) {
+  SampledPlan out;
+  Plan& plan = out.plan;
+  const std::size_t n = groups.size();
+  out.dense_mm2.resize(n);
+  if (n == 0) return out;
   PrintSettings part = settings;
   part.slice = above_raft(settings.slice);
   const SliceSettings& s = part.slice;
   slice::LayerStack stack = outlines(cuts, s, ctx);
 
   std::vector<LayerWalls> walls(n);
-  std::vector<geom::Regions> inner(n);
-  run::parallel_for(ctx, n, [&](std::size_t i) {
-    walls[i] = draft_walls(stack[i], i, s);
-    inner[i] = inner_of(walls[i]);
+  std::vector<geom::Regions> inner(stack.size());
+  run::parallel_for(ctx, n, [&](std::size_t g) {
+    const std::size_t i = groups[g].sample;
+    walls[g] = draft_walls(stack[i], i, s);
+    inner[i] = inner_of(walls[g]);
   });
   ctx.progress("toolpaths", 0.3);
   std::vector<Surfaces> surfaces = find_surfaces(stack, inner, s, ctx);
   ctx.progress("toolpaths", 0.5);
-  const std::vector<SupportAreas> supports = find_supports(stack, surfaces, s, ctx);
-  std::vector<geom::Polylines> lightning(n);
+  const std::vector<SupportAreas> supports =
+      n == stack.size() ? find_supports(stack, surfaces, s, ctx)
+                        : find_supports_of_groups(stack, groups, inner, s, ctx, out.dense_mm2);
+  std::vector<geom::Polylines> lightning(stack.size());
   if (s.infill_pattern == InfillPattern::lightning) lightning = lightning_lines(surfaces, stack, s, ctx);
   combine_infill(surfaces, stack, part, ctx);
   const std::vector<FillDirections> directions = choose_directions(surfaces, part, ctx);
@@ -101,10 +139,11 @@ Plan build(const slice::LayerStack& cuts, const PrintSettings& settings, const r
     drafts[k].support = std::move(raft.layers[k].lines);
     beads[k] = raft.layers[k].bead;
   }
-  run::parallel_for(ctx, n, [&](std::size_t i) {
-    beads[below + i] = walls[i].bead;
-    drafts[below + i] = draft_layer(stack[i], i, std::move(walls[i]), surfaces[i], directions[i],
-                                    lightning[i], supports[i], part);
+  run::parallel_for(ctx, n, [&](std::size_t g) {
+    const std::size_t i = groups[g].sample;
+    beads[below + g] = walls[g].bead;
+    drafts[below + g] = draft_layer(stack[i], i, std::move(walls[g]), surfaces[i], directions[i],
+                                    lightning[i], supports[g], part);
   });
   if (below > 0) stand_on_raft(drafts[below].support, settings.slice);
   draft_adhesion(drafts, beads, stack, supports, footprint, raft, s);
@@ -120,22 +159,31 @@ Plan build(const slice::LayerStack& cuts, const PrintSettings& settings, const r
       layer.span = raft.layers[k].span;
       layer.support = raft.area;
     } else {
-      layer.span = stack[k - below].span;
+      layer.span = stack[groups[k - below].sample].span;
       layer.span.bottom_mm += raft.lift_mm;
       layer.span.top_mm += raft.lift_mm;
     }
   }
-  run::parallel_for(ctx, n, [&](std::size_t i) {
-    LayerPlan& layer = plan.layers[below + i];
+  run::parallel_for(ctx, n, [&](std::size_t g) {
+    const std::size_t i = groups[g].sample;
+    LayerPlan& layer = plan.layers[below + g];
     if (i > 0)
-      mark_overhangs(layer.paths, stack[i].regions, stack[i - 1].regions, beads[below + i].width_mm,
+      mark_overhangs(layer.paths, stack[i].regions, stack[i - 1].regions, beads[below + g].width_mm,
                      settings.speed);
-    layer.support = printed_area(supports[i]);
+    layer.support = printed_area(supports[g]);
   });
-  for (std::size_t i = 0; i < n; ++i) plan.layers[below + i].outline = std::move(stack[i].regions);
+  for (std::size_t g = 0; g < n; ++g)
+    plan.layers[below + g].outline = std::move(stack[groups[g].sample].regions);
   for (Path& path : plan.layers[0].paths) path.area_mm2 *= settings.filament.first_layer_flow;
   ctx.progress("toolpaths", 1.0);
-  return plan;
+  return out;
+}
+
+Plan build(const slice::LayerStack& cuts, const PrintSettings& settings, const run::Context& ctx) {
+  if (settings.slice.spiral_vase) return build_vase(cuts, settings, ctx);
+  std::vector<LayerGroup> each(cuts.size());
+  for (std::size_t i = 0; i < each.size(); ++i) each[i] = {i, 1, i};
+  return build_samples(cuts, each, settings, ctx).plan;
 }
 
 void place_on_bed(slice::LayerStack& stack, const MachineShape& machine) {

@@ -64,17 +64,23 @@ class ShellCounts {
 /// is the intersection of two that overlap.
 class Runs {
  public:
-  Runs(const slice::LayerStack& stack, std::size_t longest, const run::Context& ctx) : stack_(stack) {
+  /// Only for what common() is asked for around the layers of which `wanted` is true.
+  Runs(const slice::LayerStack& stack, const std::vector<bool>& wanted, const ShellCounts& counts,
+       const run::Context& ctx)
+      : stack_(stack) {
     const std::size_t n = stack.size();
+    const std::size_t longest = counts.longest();
+    const auto asked = asked_for(wanted, counts);
     levels_.emplace_back(n);
     for (std::size_t i = 0; i < n; ++i)  // equal neighbours share one copy: comparing them is free
       levels_[0][i] = i > 0 && stack[i].regions == stack[i - 1].regions ? levels_[0][i - 1]
                                                                         : Shared(Shared{}, &stack[i].regions);
     for (std::size_t step = 1; 2 * step <= longest; step *= 2) {
-      const auto& below = levels_.back();
+      const auto& shorter = levels_.back();
+      const std::vector<bool>& needed = asked[levels_.size()];
       std::vector<Shared> next(n);
       run::parallel_for(ctx, n, [&](std::size_t i) {
-        if (i + 2 * step <= n) next[i] = meet(below[i], below[i + step]);
+        if (needed[i] && i + 2 * step <= n) next[i] = meet(shorter[i], shorter[i + step]);
       });
       levels_.push_back(std::move(next));
     }
@@ -85,11 +91,38 @@ class Runs {
     if (first < 0 || static_cast<std::size_t>(first) + count > stack_.size())
       return std::make_shared<Regions>();
     const auto i = static_cast<std::size_t>(first);
-    const auto level = static_cast<std::size_t>(std::bit_width(count) - 1);
+    const auto level = level_of(count);
     return meet(levels_[level][i], levels_[level][i + count - (std::size_t{1} << level)]);
   }
 
  private:
+  static std::size_t level_of(std::size_t count) {
+    return static_cast<std::size_t>(std::bit_width(count) - 1);
+  }
+
+  /// By level, which runs common() looks at for the wanted layers, directly or through longer ones.
+  static std::vector<std::vector<bool>> asked_for(const std::vector<bool>& wanted,
+                                                  const ShellCounts& counts) {
+    const std::size_t n = wanted.size();
+    std::vector<std::vector<bool>> asked(level_of(counts.longest()) + 1, std::vector<bool>(n));
+    const auto ask = [&](std::size_t first, std::size_t count) {
+      const std::size_t level = level_of(count);
+      asked[level][first] = asked[level][first + count - (std::size_t{1} << level)] = true;
+    };
+    for (std::size_t i = 0; i < n; ++i) {
+      if (!wanted[i]) continue;
+      const std::size_t above = counts.top(i);
+      const std::size_t below = counts.bottom(i);
+      if (above > 0 && i + 1 + above <= n) ask(i + 1, above);
+      if (below > 0 && i >= below) ask(i - below, below);
+    }
+    for (std::size_t level = asked.size(); --level > 0;)
+      for (std::size_t i = 0; i < n; ++i)
+        if (asked[level][i])
+          asked[level - 1][i] = asked[level - 1][i + (std::size_t{1} << (level - 1))] = true;
+    return asked;
+  }
+
   static Shared meet(const Shared& a, const Shared& b) {
     return a == b ? a : std::make_shared<Regions>(quick_intersect(*a, *b));
   }
@@ -208,7 +241,9 @@ class Sorter {
 std::vector<Surfaces> find_surfaces(const slice::LayerStack& stack, const std::vector<Regions>& inner,
                                     const SliceSettings& settings, const run::Context& ctx) {
   const ShellCounts counts(stack, settings);
-  const Runs runs(stack, counts.longest(), ctx);
+  std::vector<bool> wanted(stack.size());
+  for (std::size_t i = 0; i < stack.size(); ++i) wanted[i] = !inner[i].empty();
+  const Runs runs(stack, wanted, counts, ctx);
   const Sorter sorter(stack, runs, counts, settings);
   std::vector<Surfaces> out(stack.size());
   run::parallel_for(ctx, stack.size(), [&](std::size_t i) { out[i] = sorter.sort(i, inner[i]); });

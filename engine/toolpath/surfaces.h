@@ -36,7 +36,7 @@ inline constexpr double kSkinAnchorWidths = 1.0;
 
 /// Sorts every layer's `inner` area: solid where any of the next top_layers layers above or bottom_layers
 /// below is missing, or of as many more as the least thicknesses ask for, with an overlap into the sparse
-/// area; then find_internal_bridges().
+/// area; then find_internal_bridges(). A layer whose `inner` is empty costs nothing.
 std::vector<Surfaces> find_surfaces(const slice::LayerStack& stack, const std::vector<geom::Regions>& inner,
                                     const SliceSettings& settings, const run::Context& ctx);
 

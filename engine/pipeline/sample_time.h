@@ -1,0 +1,21 @@
+#pragma once
+
+#include "engine/pipeline/slice_part.h"
+
+#include <cstddef>
+
+/// The time of a print from a sample of its layers.
+namespace voidpath::pipeline {
+
+struct SampledTime {
+  double seconds = 0;
+  std::size_t layers = 0;   ///< of the part
+  std::size_t planned = 0;  ///< of these, planned and timed; all: then `seconds` is what time_part() says
+};
+
+/// Cuts the whole part, plans the layers that choose_samples() picks and times those with the planner, each
+/// standing for its group in proportion to the layers' rough times. Throws as time_part() does.
+SampledTime sample_time(const mesh::TriangleMesh& mesh, const Pose& pose, const PrepareOptions& options,
+                        const run::Context& ctx);
+
+}  // namespace voidpath::pipeline
