@@ -38,6 +38,8 @@ void print_status(const Json& status) {
       std::printf("  %s %.1f/%.0f °C\n", sensor.c_str(), value["actual_c"].number(),
                   value["target_c"].number());
     }
+    for (const auto& one : printer["limits_differ"].items())
+      std::printf("  profile: %s\n", one.text().c_str());
     print_job("now:", printer["job"]);
     if (printer["progress"].is_number()) {
       std::printf("  %.0f %%, layer %lld of %lld, %s printed, %s left\n", printer["progress"].number() * 100,

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <numbers>
 
 #include <nlohmann/json.hpp>
 
@@ -26,13 +27,15 @@ std::string nine_digits(double v) {
 
 void write_candidates(const orient::Choice& choice, const std::string& file) {
   std::ofstream out(file, std::ios::trunc);
-  out << "dx,dy,dz,H_mm,V_mm3,C,D_mm,score,printable,predicted_s\n";
+  out << "dx,dy,dz,H_mm,V_mm3,C,D_mm,score,printable,predicted_s,sampled_s,turn_deg\n";
   for (const auto& c : choice.candidates) {
     for (int a = 0; a < 3; ++a) out << nine_digits(c.direction[a]) << ',';
     for (const double v :
          {c.criteria.height_mm, c.criteria.trapped_mm3, c.criteria.contours, c.criteria.void_mm, c.score})
       out << config::number_text(v) << ',';
-    out << (c.printable ? 1 : 0) << ',' << (c.predicted_s ? config::number_text(*c.predicted_s) : "") << '\n';
+    out << (c.printable ? 1 : 0) << ',' << (c.predicted_s ? config::number_text(*c.predicted_s) : "") << ','
+        << (c.sampled_s ? config::number_text(*c.sampled_s) : "") << ','
+        << config::number_text(c.turn_rad * 180 / std::numbers::pi) << '\n';
   }
   out.close();
   if (!out) throw std::runtime_error(file + ": cannot be written");
@@ -42,8 +45,16 @@ void print_row(const char* name, const orient::Candidate& c) {
   const auto& k = c.criteria;
   std::printf("  %-14s %8.2f mm %12.0f mm3 %8.2f %9.2f mm %9.4f %14s  (%+.4f, %+.4f, %+.4f)%s\n", name,
               k.height_mm, k.trapped_mm3, k.contours, k.void_mm, c.score,
-              c.predicted_s ? duration_text(*c.predicted_s).c_str() : "", c.direction.x(), c.direction.y(),
-              c.direction.z(), c.printable ? "" : ("  " + c.why).c_str());
+              c.predicted_s ? duration_text(*c.predicted_s).c_str()
+              : c.sampled_s ? ("~ " + duration_text(*c.sampled_s)).c_str()
+                            : "",
+              c.direction.x(), c.direction.y(), c.direction.z(), c.printable ? "" : ("  " + c.why).c_str());
+}
+
+mesh::TriangleMesh standing(const mesh::TriangleMesh& mesh, const orient::Candidate& c) {
+  const auto turned = mesh::turned(mesh, c.direction);
+  if (c.turn_rad == 0) return turned;
+  return mesh::rotated(turned, geom::Quaternion(Eigen::AngleAxisd(c.turn_rad, geom::Vec3::UnitZ())));
 }
 
 void write_text(const std::string& text, const std::string& file) {
@@ -66,6 +77,9 @@ void print_table(const mesh::Import& model, const orient::Choice& choice, double
   for (const auto& [name, i] : choice.baselines)
     if (i != choice.chosen && i != choice.as_delivered) print_row(name.c_str(), choice.candidates[i]);
   if (choice.ties.size() > 1) std::printf("  %zu directions tie with the chosen one\n", choice.ties.size());
+  if (const auto& t = choice.timing; t.asked > 0)
+    std::printf("%zu of %zu directions timed in full, %zu on a sample of their layers%s\n", t.in_full,
+                t.asked, t.sampled, t.budget_spent ? "; the budget was spent" : "");
   std::printf("%s\n", choice.why.c_str());
 }
 
@@ -99,8 +113,7 @@ int orient_command(const std::vector<std::string>& args) {
   end_progress();
 
   if (!candidates.empty()) write_candidates(choice, candidates);
-  if (!out.empty())
-    mesh::write_model(mesh::turned(import.mesh, choice.candidates[choice.chosen].direction), out);
+  if (!out.empty()) mesh::write_model(standing(import.mesh, choice.candidates[choice.chosen]), out);
   if (common.json)
     std::cout << orient_json(import, model, choice, elapsed).dump(2) << '\n';
   else

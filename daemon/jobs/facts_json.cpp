@@ -59,6 +59,8 @@ std::string to_text(const JobFacts& facts) {
       .set("filament_mm", facts.filament_mm)
       .set("layer_times", std::move(layers))
       .set("notes", std::move(notes))
+      .set("limits_from", facts.limits_from)
+      .set("limits", facts.limits)
       .dump();
 }
 
@@ -87,6 +89,8 @@ JobFacts facts_from(const std::string& text) {
         {cell[0].number(), static_cast<std::uint32_t>(cell[1].integer()), cell[2].number()});
   }
   for (const auto& note : json["notes"].items()) facts.notes.push_back(note.text());
+  facts.limits_from = json["limits_from"].text();
+  facts.limits = json["limits"].text();
   return facts;
 }
 

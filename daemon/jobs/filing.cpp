@@ -134,6 +134,8 @@ Json history_json(const PrintRecord& record) {
       .set("printer", record.printer)
       .set("firmware", record.firmware)
       .set("profile_sha256", facts.profile_sha256)
+      .set("limits_from", facts.limits_from)
+      .set("limits", facts.limits)
       .set("job", record.job)
       .set("ended", record.ended)
       .set("reason", record.reason)

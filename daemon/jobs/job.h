@@ -84,6 +84,10 @@ struct JobFacts {
   double filament_mm = 0;
   std::vector<gcode::LayerTime> layer_times;
   std::vector<std::string> notes;
+  /// What the time was predicted with: "profile", or "printer" where the firmware's own word was laid over
+  /// it.
+  std::string limits_from;
+  std::string limits;  ///< in one line
 };
 
 struct Job {

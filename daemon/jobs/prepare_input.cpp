@@ -2,6 +2,7 @@
 #include "daemon/intake/file_checks.h"
 #include "daemon/jobs/filing.h"
 #include "daemon/jobs/prepare_worker.h"
+#include "daemon/jobs/printer_limits.h"
 #include "engine/gcode/estimate.h"
 #include "engine/pipeline/prepare.h"
 
@@ -135,10 +136,13 @@ PrepareResult run_task(const PrepareTask& task, const run::Context& ctx) {
   result.copies = overrides.copies.value_or(1);
   auto& facts = result.facts;
   facts.model_sha256 = config::sha256_of_file(task.input);
-  const auto profile = config::load_profile(
+  auto profile = config::load_profile(
       task.printer.profile, overrides.material.empty() ? task.printer.material : overrides.material,
       overrides.quality.empty() ? task.printer.quality : overrides.quality, overrides.set);
+  if (task.firmware) profile = with_limits(std::move(profile), *task.firmware);
   facts.profile_sha256 = profile.sha256;
+  facts.limits_from = task.firmware ? "printer" : "profile";
+  facts.limits = limits_text(profile);
 
   if (input_kind(task.input) == InputKind::gcode) {
     facts.method = "gcode";

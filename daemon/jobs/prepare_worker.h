@@ -4,9 +4,11 @@
 #include "daemon/executor.h"
 #include "daemon/jobs/job.h"
 #include "engine/run/context.h"
+#include "firmware-io/firmware_limits.h"
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -22,6 +24,8 @@ struct PrepareTask {
   std::filesystem::path folder;     ///< whose override file counts
   std::filesystem::path gcode_out;  ///< its folder exists or is made
   config::PrinterConfig printer;
+  /// As the printer told at its last connection; nothing: the profile's word counts.
+  std::optional<fw::FirmwareLimits> firmware;
   config::OrientConfig orient;
 };
 

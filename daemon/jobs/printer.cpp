@@ -99,6 +99,8 @@ void Printer::take(const fw::Event& event) {
     position_ = line->file_position;
   } else if (const auto* stats = std::get_if<fw::LinkStats>(&event.what)) {
     link_ = *stats;
+  } else if (const auto* told = std::get_if<fw::LimitsKnown>(&event.what)) {
+    limits_ = told->limits;
   }
   if (timer_) timer_->on(event);
   const bool over = job_ && ends_print(event);

@@ -59,6 +59,8 @@ class Printer {
   const std::map<std::string, fw::Temperature>& temperatures() const noexcept { return temperatures_; }
   const PrintTimer* timer() const noexcept { return timer_ ? &*timer_ : nullptr; }
   const fw::LinkStats& link() const noexcept { return link_; }
+  /// How the firmware said it is set up, at the last connection in which it did.
+  const std::optional<fw::FirmwareLimits>& limits() const noexcept { return limits_; }
   std::uint64_t file_position() const noexcept { return position_; }
   std::uint64_t file_size() const noexcept { return size_; }
 
@@ -82,6 +84,8 @@ class Printer {
 
   /// Kept between runs; whoever changes it saves it.
   PrinterMemory memory;
+  /// Where that differs from the profile, in sentences; whoever takes the event fills it.
+  std::vector<std::string> limits_differ;
   /// The history record of the running print.
   std::optional<PrintRecord> record;
 
@@ -114,6 +118,7 @@ class Printer {
   std::optional<JobId> job_;
   std::optional<PrintTimer> timer_;
   fw::LinkStats link_;
+  std::optional<fw::FirmwareLimits> limits_;
   std::uint64_t position_ = 0;
   std::uint64_t size_ = 0;
   std::string pause_reason_;

@@ -64,6 +64,9 @@ std::string report_text(const Job& job, const PrintRecord& record) {
   line("started", record.started);
   line("ended", record.ended);
   if (!facts.method.empty()) line("orientation", facts.method + (facts.why.empty() ? "" : ": " + facts.why));
+  if (!facts.limits.empty())
+    line("limits", "as the " + (facts.limits_from.empty() ? "profile" : facts.limits_from) +
+                       " has them: " + facts.limits);
   if (facts.direction && facts.method != "gcode") {
     const auto& d = *facts.direction;
     line("what points up", fixed(d[0], 4) + ", " + fixed(d[1], 4) + ", " + fixed(d[2], 4));

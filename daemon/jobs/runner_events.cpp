@@ -1,3 +1,4 @@
+#include "daemon/jobs/printer_limits.h"
 #include "daemon/jobs/runner.h"
 #include "engine/calibrate/correction.h"
 
@@ -19,6 +20,8 @@ void Runner::on_printer_event(Printer& printer, const fw::Event& event) {
     want_schedule();
   } else if (const auto* down = std::get_if<fw::Disconnected>(&what)) {
     s_.log.warning("disconnected", {{"printer", printer.name()}, {"reason", down->reason}});
+  } else if (std::holds_alternative<fw::LimitsKnown>(what)) {
+    compare_limits(printer);
   } else if (const auto* message = std::get_if<fw::Message>(&what)) {
     s_.log.info("printer", {{"printer", printer.name()}, {"text", message->text}});
   } else if (const auto* stats = std::get_if<fw::LinkStats>(&what)) {
@@ -44,6 +47,22 @@ void Runner::on_printer_event(Printer& printer, const fw::Event& event) {
   } else {
     on_print_end(printer, event);
   }
+}
+
+/// Tells the user where the profile is wrong about the printer. What is prepared from now on goes by the
+/// printer.
+void Runner::compare_limits(Printer& printer) {
+  printer.limits_differ.clear();
+  try {
+    const auto& c = printer.config();
+    printer.limits_differ =
+        differences(config::load_profile(c.profile, c.material, c.quality, {}), *printer.limits());
+  } catch (const std::exception& error) {
+    s_.log.warning("profile", {{"printer", printer.name()}, {"reason", error.what()}});
+    return;
+  }
+  for (const auto& one : printer.limits_differ)
+    s_.log.warning("profile_differs", {{"printer", printer.name()}, {"what", one}});
 }
 
 void Runner::on_print_end(Printer& printer, const fw::Event& event) {

@@ -64,6 +64,7 @@ void Runner::schedule_prepare() {
   task.folder = next->folder;
   task.gcode_out = gcode_of(next->id);
   task.printer = find_printer(next->printer)->config();
+  task.firmware = find_printer(next->printer)->limits();
   task.orient = config_.orient;
   decide(task.job, Event::prepare_begun, [](Job& job) { job.message.clear(); });
   const auto found = jobs_.find(task.job);

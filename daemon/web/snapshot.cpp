@@ -43,6 +43,8 @@ Json printer_json(const Runner& runner, const Printer& printer) {
   }
   Json watch = Json::array();
   for (const auto& folder : printer.config().watch) watch.push(folder.string());
+  Json differ = Json::array();
+  for (const auto& one : printer.limits_differ) differ.push(one);
   Json out = Json::object();
   out.set("name", printer.name())
       .set("state", state_of(printer, job))
@@ -63,6 +65,7 @@ Json printer_json(const Runner& runner, const Printer& printer) {
       .set("next", next ? job_json(*next) : Json())
       .set("waiting", runner.waiting_reason(printer))
       .set("pins", pins_json(printer))
+      .set("limits_differ", std::move(differ))
       .set("watch", std::move(watch));
   return out;
 }
@@ -89,7 +92,9 @@ Json job_json(const Job& job) {
       .set("predicted_raw_s", facts.predicted_raw_s > 0 ? Json(facts.predicted_raw_s) : Json())
       .set("as_delivered_s", facts.as_delivered_s)
       .set("layers", facts.layers)
-      .set("filament_mm", facts.filament_mm);
+      .set("filament_mm", facts.filament_mm)
+      .set("limits_from", facts.limits_from)
+      .set("limits", facts.limits);
 }
 
 Snapshot make_snapshot(const Runner& runner, const Settler& settler) {

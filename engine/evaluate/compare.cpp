@@ -53,7 +53,7 @@ class Bench {
       if (c.predicted_s || !c.printable) return;
       const double began = now();
       try {
-        c.predicted_s = pipeline::time_part(mesh_, c.direction, options_.prepare, inner);
+        c.predicted_s = pipeline::time_part(mesh_, c, options_.prepare, inner);
       } catch (const pipeline::Refused& e) {
         c.printable = false;
         c.why = e.what();
@@ -113,14 +113,28 @@ class Bench {
     row.elapsed_s = search_s_ + cost_of_asked();
   }
 
+  /// As for a user: knowing nothing of what other methods had timed, and by the budget less the search.
   void choose_by_toolpath(Row& row) {
     orient::Choice choice = choice_;
+    for (orient::Candidate& c : choice.candidates) c.predicted_s.reset();
+    pipeline::PrepareOptions prepare = options_.prepare;
+    if (prepare.now_s) prepare.budget_s -= search_s_;
     const double began = now();
-    pipeline::time_candidates(mesh_, options_.prepare, choice, ctx_);
-    for (const auto& [name, i] : choice.baselines) asked_.insert(i);
-    fill(row, choice.candidates[choice.chosen]);
-    row.elapsed_s = search_s_ + now() - began + cost_of_asked();
-    choice_.candidates = std::move(choice.candidates);
+    pipeline::time_candidates(mesh_, prepare, choice, ctx_);
+    row.elapsed_s = search_s_ + now() - began;
+    orient::Candidate& chosen = choice.candidates[choice.chosen];
+    if (!chosen.predicted_s && chosen.printable)
+      chosen.predicted_s = pipeline::time_part(mesh_, chosen, prepare, ctx_);
+    fill(row, chosen);
+    const orient::Timing& t = choice.timing;
+    row.asked = t.asked;
+    row.in_full = t.in_full;
+    row.sampled = t.sampled;
+    row.complete = t.complete;
+    // What it found out need not be found out again by the oracle.
+    for (std::size_t i = 0; i < choice_.candidates.size(); ++i)
+      if (!choice_.candidates[i].predicted_s)
+        choice_.candidates[i].predicted_s = choice.candidates[i].predicted_s;
   }
 
   double cost_of_asked() const {
@@ -136,6 +150,7 @@ class Bench {
     row.direction = c.direction;
     row.criteria = c.criteria;
     row.predicted_s = c.predicted_s;
+    row.turn_rad = c.turn_rad;
     if (!c.printable) row.why = c.why;
   }
 
@@ -172,7 +187,7 @@ std::vector<Row> compare(const std::string& model, const mesh::TriangleMesh& mes
   Bench bench(mesh, options, ctx);
   const Row delivered = bench.run("as-delivered");
   std::map<std::string, Row> rows;
-  // Last the one that may use the others' times, then the one whose times it must not use.
+  // The oracle last: it uses whatever has been timed.
   const auto is_late = [](const std::string& method) { return method == "toolpath" || method == "oracle"; };
   for (const std::string& method : options.methods)
     if (!is_late(method)) rows[method] = bench.run(method);

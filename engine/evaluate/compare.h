@@ -21,8 +21,12 @@ struct Row {
   std::optional<double> predicted_s;
   /// That over the time as delivered.
   std::optional<double> ratio;
+  double turn_rad = 0;  ///< about the build axis; only toolpath turns
   /// For the method alone: the search, and every slicing it asks for.
   double elapsed_s = 0;
+  /// Of toolpath: see orient::Timing.
+  std::size_t asked = 0, in_full = 0, sampled = 0;
+  bool complete = true;
   std::string why;  ///< why there is no time, in words
 };
 
@@ -41,9 +45,9 @@ struct CompareOptions {
   std::function<double()> now_s;  ///< for elapsed_s; without it that stays 0
 };
 
-/// Every method's row, in the order asked for. The toolpath method knows the times of all others but the
-/// oracle, as its baselines hold what they choose. The same on one thread or many, apart from elapsed_s,
-/// unless prepare.now_s sets a budget. Throws orient::NothingFits, run::Stopped.
+/// Every method's row, in the order asked for. The toolpath method knows nothing of what the others timed.
+/// The same on one thread or many, apart from elapsed_s, unless prepare.now_s sets a budget. Throws
+/// orient::NothingFits, run::Stopped.
 std::vector<Row> compare(const std::string& model, const mesh::TriangleMesh& mesh,
                          const CompareOptions& options, const run::Context& ctx = {});
 

@@ -11,8 +11,9 @@ namespace voidpath::evaluate {
 namespace {
 
 constexpr const char* kHeader =
-    "model,triangles,method,dx,dy,dz,H_mm,V_mm3,C,D_mm,predicted_s,ratio_to_as_delivered,elapsed_s,why";
-constexpr std::size_t kColumns = 14;
+    "model,triangles,method,dx,dy,dz,H_mm,V_mm3,C,D_mm,predicted_s,ratio_to_as_delivered,elapsed_s,why,"
+    "turn_rad,asked,in_full,sampled,complete";
+constexpr std::size_t kColumns = 19;
 
 template <class T>
 std::string text_of(T value) {
@@ -48,7 +49,8 @@ std::string to_csv(const std::vector<Row>& rows) {
                            k.contours, k.void_mm})
       out += "," + text_of(v == 0 ? 0.0 : v);
     out += "," + text_of(r.predicted_s) + "," + text_of(r.ratio) + "," + text_of(r.elapsed_s) + "," +
-           csv_cell(r.why) + "\n";
+           csv_cell(r.why) + "," + text_of(r.turn_rad) + "," + text_of(r.asked) + "," + text_of(r.in_full) +
+           "," + text_of(r.sampled) + "," + (r.complete ? "1" : "0") + "\n";
   }
   return out;
 }
@@ -72,6 +74,11 @@ std::vector<Row> from_csv(std::string_view text) {
     r.ratio = parse_optional(cells[11], line);
     r.elapsed_s = number(12);
     r.why = cells[13];
+    r.turn_rad = number(14);
+    r.asked = parse<std::size_t>(cells[15], line);
+    r.in_full = parse<std::size_t>(cells[16], line);
+    r.sampled = parse<std::size_t>(cells[17], line);
+    r.complete = cells[18] != "0";
     out.push_back(std::move(r));
   }
   return out;

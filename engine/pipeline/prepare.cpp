@@ -53,7 +53,7 @@ Prepared prepare(const fs::path& model, const fs::path& gcode_out, const Prepare
 
   auto& chosen = p.choice.candidates[p.choice.chosen];
   ctx.progress("slice", 0.0);
-  SlicedPart part = slice_part_to(p.model.mesh, chosen.direction, held(options, chosen), gcode_out, ctx);
+  SlicedPart part = slice_part_to(p.model.mesh, chosen, held(options, chosen), gcode_out, ctx);
   p.stats = part.stats;
   p.estimate = std::move(part.estimate);
   chosen.predicted_s = p.estimate.predicted_s;

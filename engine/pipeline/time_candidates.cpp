@@ -142,7 +142,8 @@ void pick(Choice& choice, const Trial& trial) {
     if (choice.candidates[i].printable && shown && quicker) best = i;
   }
   // Of equals, the part as it came.
-  if (choice.candidates[choice.as_delivered].printable && time_of(choice.as_delivered) <= time_of(best))
+  if (choice.candidates[choice.as_delivered].printable && trial.known(choice.as_delivered) &&
+      time_of(choice.as_delivered) <= time_of(best))
     best = choice.as_delivered;
   choice.chosen = best;
   choice.ties.clear();

@@ -94,7 +94,8 @@ TEST_CASE("next candidates: printable, new, unlike, and the promising first") {
   std::size_t fastest = choice.chosen;
   for (std::size_t i = 0; i < choice.candidates.size(); ++i)
     if (choice.candidates[i].printable && pretend(i) < pretend(fastest)) fastest = i;
-  const pipeline::NextCandidates queue(choice, under);
+  const pipeline::NextCandidates queue(choice, under,
+                                       [&](std::size_t i) { return choice.candidates[i].predicted_s; });
   std::size_t timed = 0;
   for (;;) {
     const auto wave = queue.next(4);
