@@ -73,6 +73,23 @@ std::string summary_text(const std::vector<Row>& rows) {
            percent(1 - 1 / quantile(pair.ratios, 1)) + " at best; faster in " + percent(s.above) +
            ", slower in " + percent(s.below) + "\n";
   }
+  std::size_t counted = 0, incomplete = 0, in_full = 0, asked = 0, turned = 0;
+  double longest_s = 0;
+  for (const Row& r : rows) {
+    if (r.method != "toolpath" || !r.predicted_s) continue;
+    ++counted;
+    incomplete += r.complete ? 0U : 1U;
+    in_full += r.in_full;
+    asked += r.asked;
+    turned += r.turn_rad != 0 ? 1U : 0U;
+    longest_s = std::max(longest_s, r.elapsed_s);
+  }
+  if (asked > 0)
+    out += "toolpath timed " + std::to_string(in_full) + " of " + std::to_string(asked) +
+           " directions in full, the others on a sample of layers; not all settled in " +
+           std::to_string(incomplete) + " of " + std::to_string(counted) +
+           " models; turned about the build axis in " + std::to_string(turned) + "; at most " +
+           number(longest_s, 1) + " s a model\n";
   const Pair regret = compare_methods(rows, "toolpath", "oracle");
   if (!regret.ratios.empty())
     out += "regret of toolpath against every direction timed, " + std::to_string(regret.ratios.size()) +

@@ -132,6 +132,9 @@ void refine(const mesh::TriangleMesh& mesh, const PrepareOptions& options, Choic
 
 void pick(Choice& choice, const Trial& trial) {
   const auto time_of = [&](std::size_t i) { return trial.known(i).value_or(1e300); };
+  const auto is_known = [&](const Candidate& c) { return c.predicted_s || c.sampled_s; };
+  if (std::none_of(choice.candidates.begin(), choice.candidates.end(), is_known))
+    return;  // the score's choice
   std::size_t best = choice.chosen;
   for (std::size_t i = 0; i < choice.candidates.size(); ++i) {
     // Turns are there for their gain: only a full time can show it.
@@ -142,8 +145,7 @@ void pick(Choice& choice, const Trial& trial) {
     if (choice.candidates[i].printable && shown && quicker) best = i;
   }
   // Of equals, the part as it came.
-  if (choice.candidates[choice.as_delivered].printable && trial.known(choice.as_delivered) &&
-      time_of(choice.as_delivered) <= time_of(best))
+  if (choice.candidates[choice.as_delivered].printable && time_of(choice.as_delivered) <= time_of(best))
     best = choice.as_delivered;
   choice.chosen = best;
   choice.ties.clear();

@@ -116,6 +116,9 @@ TEST_CASE("what is written as CSV reads back the same") {
   std::vector<Row> rows = {row("a, \"b\"\nc", "thesis", 1.0 / 3), row("d", "ahsan", 1e7),
                            evaluate::failed("e.stl", "line 3: no, really")};
   rows[0].why = "x";
+  rows[0].turn_rad = 0.25;
+  rows[0].in_full = 3;
+  rows[0].complete = false;
   rows[1].predicted_s.reset();
   rows[1].ratio.reset();
   const auto again = evaluate::from_csv(evaluate::to_csv(rows));
@@ -129,9 +132,12 @@ TEST_CASE("what is written as CSV reads back the same") {
     CHECK(again[i].predicted_s == rows[i].predicted_s);
     CHECK(again[i].ratio == rows[i].ratio);
     CHECK(again[i].why == rows[i].why);
+    CHECK(again[i].turn_rad == rows[i].turn_rad);
+    CHECK(again[i].in_full == rows[i].in_full);
+    CHECK(again[i].complete == rows[i].complete);
   }
   CHECK_THROWS_WITH(evaluate::from_csv("header\na,b\n"), Catch::Contains("line 2"));
-  CHECK_THROWS_WITH(evaluate::from_csv("header\nm,x,t,0,0,0,0,0,0,0,,,0,\n"),
+  CHECK_THROWS_WITH(evaluate::from_csv("header\nm,x,t,0,0,0,0,0,0,0,,,0,,0,0,0,0,1\n"),
                     Catch::Contains("'x' is not a number"));
 }
 
