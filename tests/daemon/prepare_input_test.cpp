@@ -11,8 +11,10 @@ namespace {
 struct Inbox {
   voidpath::test::TempDir dir;
 
-  PrepareResult prepare(const std::string& input, const JobOptions& options = {}) const {
+  PrepareResult prepare(const std::string& input, const JobOptions& options = {},
+                        std::optional<voidpath::fw::FirmwareLimits> firmware = {}) const {
     PrepareTask task;
+    task.firmware = std::move(firmware);
     task.input = dir.write("inbox/" + input, "G28\nG1 X10 Y10 E1 F1200\n");
     task.file = *identify(task.input);
     task.options = options;
@@ -37,6 +39,19 @@ TEST_CASE("the nearest override counts, also when it says one") {
   CHECK(inbox.prepare("b.gcode").copies == 5);
   CHECK(inbox.prepare("c.gcode").copies == 5);
   CHECK(inbox.prepare("b.gcode", {"", 0, 1}).copies == 1);
+}
+
+TEST_CASE("a print is predicted with the printer's own limits where it told them") {
+  const Inbox inbox;
+  const auto by_profile = inbox.prepare("a.gcode").facts;
+  CHECK(by_profile.limits_from == "profile");
+  voidpath::fw::FirmwareLimits slow;
+  slow.print_acceleration_mm_s2 = 100;
+  const auto by_printer = inbox.prepare("b.gcode", {}, slow).facts;
+  CHECK(by_printer.limits_from == "printer");
+  CHECK(by_printer.limits.find("print 100,") != std::string::npos);
+  CHECK(by_printer.predicted_s > by_profile.predicted_s);
+  CHECK(by_printer.profile_sha256 != by_profile.profile_sha256);  // what was learned before does not count
 }
 
 TEST_CASE("what stood beside a file counts when it is tried again from another folder") {

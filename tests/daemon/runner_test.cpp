@@ -46,6 +46,30 @@ TEST_CASE("a dropped file is prepared, waits for a clear bed, prints, and is fil
   CHECK_FALSE(fs::exists(rig.config.state_dir / "jobs" / "1"));
 }
 
+TEST_CASE("what a printer says of itself goes with every job prepared from then on") {
+  RunnerRig rig;
+  std::mutex mutex;
+  std::vector<std::optional<double>> used;
+  const auto usual = rig.prepare;
+  rig.prepare = [&](const PrepareTask& task, const voidpath::run::Context& ctx) {
+    const std::lock_guard lock(mutex);
+    used.push_back(task.firmware ? task.firmware->print_acceleration_mm_s2 : std::nullopt);
+    return usual(task, ctx);
+  };
+  rig.connect();
+  rig.drop("before.stl");
+  REQUIRE(rig.reaches("before.stl", State::waiting_bed));
+  voidpath::fw::FirmwareLimits limits;
+  limits.print_acceleration_mm_s2 = 700;
+  rig.printer.say(voidpath::fw::LimitsKnown{limits});
+  rig.loop.run();
+  rig.drop("after.stl");
+  REQUIRE(rig.reaches("after.stl", State::ready));
+  REQUIRE(used.size() == 2);
+  CHECK_FALSE(used[0]);
+  CHECK(used[1] == 700.0);
+}
+
 TEST_CASE("one print at a time, in order; each waits for its own clear bed") {
   RunnerRig rig;
   rig.connect();

@@ -105,6 +105,23 @@ TEST_CASE("three models dropped at once, one half-copied for a while, print in o
   CHECK(rig.stop_daemon() == 0);
 }
 
+TEST_CASE("a printer that accelerates less than its profile says is predicted by what it says itself") {
+  BenchRig rig({.mock_args = {"--acceleration", "500,1500,600"}});
+  rig.start_mock();
+  rig.start_daemon();
+  REQUIRE(eventually([&] { return rig.status().at("printers")[0].at("limits_differ").size() == 2; }));
+  const Result status = rig.cli({"status"});
+  CHECK(status.out.find("print acceleration: the printer says 500 mm/s², its profile 1000") != std::string::npos);
+  mesh::write_model(comb(4, 4, 6, 10, 3), rig.inbox() / "comb.stl");
+  REQUIRE(rig.wait_for_history(1));
+  const auto row = rig.history()[0];
+  INFO(row.dump(2));
+  CHECK(row.at("state") == "done");
+  CHECK(row.at("limits_from") == "printer");
+  CHECK(row.at("limits").get<std::string>().find("print 500,") != std::string::npos);
+  CHECK(row.at("predicted_raw_s").get<double>() == Approx(row.at("measured_s").get<double>()).epsilon(0.03));
+}
+
 TEST_CASE("nothing prints before the bed is known to be clear") {
   BenchRig rig({.auto_clear = false});
   rig.start_mock();
