@@ -1,12 +1,12 @@
+#include "daemon/cli/flags.h"
+#include "daemon/cli/offline.h"
+#include "engine/evaluate/layer_times.h"
+
 #include <cstdio>
 #include <fstream>
 #include <iostream>
 
 #include <nlohmann/json.hpp>
-
-#include "daemon/cli/flags.h"
-#include "daemon/cli/offline.h"
-#include "engine/evaluate/layer_times.h"
 
 namespace voidpath::cli {
 
@@ -15,18 +15,24 @@ namespace {
 void print_estimate(const std::string& file, const gcode::Estimate& e) {
   std::printf("%s: %s\n", file.c_str(), duration_text(e.predicted_s).c_str());
   const auto row = [&](const char* name, double s) {
-    if (s > 0) std::printf("  %-26s %12s %6.1f %%\n", name, duration_text(s).c_str(), 100 * s / e.predicted_s);
+    if (s > 0)
+      std::printf("  %-26s %12s %6.1f %%\n", name, duration_text(s).c_str(), 100 * s / e.predicted_s);
   };
   row("extruding", e.extruding_s);
   row("travel", e.travel_s);
   row("retraction", e.retract_s);
   row("dwelling", e.dwell_s);
   for (const auto& [name, seconds] : e.by_feature) row(("- " + name).c_str(), seconds);
-  std::printf("  %zu layers, %zu moves, %.1f m extruding, %.1f m travel, %.2f m of filament\n", e.layers.size(),
-              e.moves, e.extruding_mm / 1000, e.travel_mm / 1000, e.filament_mm / 1000);
+  std::printf("  %zu layers, %zu moves, %.1f m extruding, %.1f m travel, %.2f m of filament\n",
+              e.layers.size(), e.moves, e.extruding_mm / 1000, e.travel_mm / 1000, e.filament_mm / 1000);
   if (e.serial_limited_s >= 0.5)
     std::printf("  limited by the serial line: %s of %s\n", duration_text(e.serial_limited_s).c_str(),
                 duration_text(e.predicted_s).c_str());
+  if (e.homing_s > 0)
+    std::printf("  homing takes about %s, counted only in mid-print\n", duration_text(e.homing_s).c_str());
+  if (e.after_heating_s < e.predicted_s)
+    std::printf("  %s of it after heating; waits for a temperature are not counted\n",
+                duration_text(e.after_heating_s).c_str());
   std::printf("  machine limits from the %s\n", e.limits_from.c_str());
   for (const std::string& note : e.notes) std::printf("  %s\n", note.c_str());
 }
@@ -70,6 +76,7 @@ int estimate_command(const std::vector<std::string>& args) {
                                     {"retract_s", e.retract_s},
                                     {"dwell_s", e.dwell_s},
                                     {"homing_s", e.homing_s},
+                                    {"after_heating_s", e.after_heating_s},
                                     {"serial_limited_s", e.serial_limited_s},
                                     {"moves", e.moves},
                                     {"layers", e.layers.size()},

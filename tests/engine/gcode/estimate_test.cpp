@@ -191,6 +191,55 @@ TEST_CASE("a slow line is said to be the brake", "[gcode]") {
   CHECK(slow.serial_limited_s == Approx(slow.predicted_s - fast).margin(1e-6));
 }
 
+TEST_CASE("machine.stepping chooses how a block is stepped", "[gcode]") {
+  std::string zigzag = "G1 F6000\n";
+  for (int i = 1; i <= 200; ++i)
+    zigzag += "G1 X" + std::to_string(4 * i) + " Y" + std::to_string(i % 2 * 4) + "\n";
+  const auto by = [&](motion::Stepping stepping) {
+    motion::MachineLimits limits = test::plain_limits();
+    limits.stepping = stepping;
+    limits.steps_per_mm = {80, 80, 400, 93};
+    limits.max_acceleration_mm_s2 = {1500, 1500, 100, 5000};
+    return timed(zigzag, limits).predicted_s;
+  };
+  const double early = by(motion::Stepping::marlin_2_0);
+  const double ideal = by(motion::Stepping::ideal);
+  const double reworked = by(motion::Stepping::marlin_2_1_3);
+  // Deceleration that ends early is some percent faster than the trapezoid it was meant to be.
+  CHECK(early < 0.99 * ideal);
+  CHECK(early > 0.9 * ideal);
+  CHECK(reworked == Approx(ideal).epsilon(0.005));
+}
+
+TEST_CASE("a file's own limits and percentages count from where they stand", "[gcode]") {
+  const std::string move = "G1 X100 F6000\n";
+  const double usual = timed(move + "G1 X0\n").predicted_s;
+  CHECK(timed("M201 X200\n" + move + "G1 X0\n").predicted_s > usual + 0.3);
+  CHECK(timed("M204 T200\n" + move + "G1 X0\n").predicted_s > usual + 0.3);
+  CHECK(timed("M203 X20\n" + move + "G1 X0\n").predicted_s > 10);
+  CHECK(timed(move + "M203 X20\nG1 X0\n").predicted_s < 10);  // the first was on its way
+  CHECK(timed("M220 S50\n" + move + "G1 X0\n").predicted_s > usual + 1.5);
+  CHECK(timed("M204 P1\n" + move + "G1 X0\n").predicted_s == Approx(usual));  // no print move there
+  CHECK(timed("M201 X200\n" + move).limits_from == "G-code");
+}
+
+TEST_CASE("PrusaSlicer's, Cura's and our own remarks sort time alike", "[gcode]") {
+  const auto print = [](const std::string& layer, const std::string& wall, const std::string& fill) {
+    return "M83\nG1 Z0.2 F600\n" + layer + ";TYPE:" + wall + "\nG1 X20 E1 F1200\nG1 Y20 E1\n;TYPE:" + fill +
+           "\nG1 X0 Y0 E1 F2400\n";
+  };
+  const Estimate prusa =
+      timed(print(";LAYER_CHANGE\n;Z:0.2\n;HEIGHT:0.2\n", "External perimeter", "Internal infill"));
+  const Estimate cura = timed(print(";LAYER:0\n", "WALL-OUTER", "FILL"));
+  REQUIRE(prusa.by_feature.size() == 2);
+  REQUIRE(cura.by_feature.size() == 2);
+  CHECK(prusa.by_feature.at("External perimeter") == Approx(cura.by_feature.at("WALL-OUTER")));
+  CHECK(prusa.by_feature.at("Internal infill") == Approx(cura.by_feature.at("FILL")));
+  CHECK(prusa.by_feature.at("External perimeter") + prusa.by_feature.at("Internal infill") ==
+        Approx(prusa.extruding_s));
+  CHECK(prusa.layers.size() == cura.layers.size());
+}
+
 TEST_CASE("a stop is obeyed and progress told", "[gcode]") {
   std::string text;
   for (int i = 0; i < 20000; ++i) text += "G1 X" + std::to_string(i % 100) + "\n";
