@@ -53,9 +53,10 @@ SampledTime sample_time(const mesh::TriangleMesh& mesh, const Pose& pose, const 
   const char* nothing = "nothing is left to print: the part is thinner than a line everywhere";
   const auto& slice = part.print.slice;
   // What a layer prints then depends on all others.
-  const bool joined = slice.infill_pattern == toolpath::InfillPattern::lightning ||
-                      slice.infill_every_layers > 1 ||
-                      slice.infill_direction == toolpath::InfillDirection::layer;
+  const bool joined =
+      slice.infill_pattern == toolpath::InfillPattern::lightning || slice.infill_every_layers > 1 ||
+      slice.infill_direction == toolpath::InfillDirection::layer ||
+      slice.support_style == toolpath::SupportStyle::tree || slice.raft_layers > 0 || slice.spiral_vase;
   if (joined || kSamples > kWorthSampling * static_cast<double>(out.layers)) {
     const toolpath::Plan plan = toolpath::build(part.stack, part.print, ctx);
     if (plan.layers.empty()) throw Refused(nothing);

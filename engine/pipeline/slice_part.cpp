@@ -185,21 +185,22 @@ CutPart cut_part(const mesh::TriangleMesh& mesh, const Pose& pose, const Prepare
   return out;
 }
 
-toolpath::EmitStats slice_part(const mesh::TriangleMesh& mesh, const Pose& pose, const PrepareOptions& options,
-                               std::ostream& out, const run::Context& ctx, bool pictures) {
+toolpath::EmitStats slice_part(const mesh::TriangleMesh& mesh, const Pose& pose,
+                               const PrepareOptions& options, std::ostream& out, const run::Context& ctx,
+                               bool pictures) {
   const CutPart part = cut_part(mesh, pose, options, ctx);
   const toolpath::Plan plan = toolpath::build(part.stack, part.print, ctx);
   if (plan.layers.empty())
     throw Refused("nothing is left to print: the part is thinner than a line everywhere");
   std::string header = "up in the model: " + orient::number(pose.direction.x(), 6) + ", " +
-                       orient::number(pose.direction.y(), 6) + ", " +
-                       orient::number(pose.direction.z(), 6) + turn_text(pose.turn_rad);
+                       orient::number(pose.direction.y(), 6) + ", " + orient::number(pose.direction.z(), 6) +
+                       turn_text(pose.turn_rad);
   if (pictures) header += thumbnails(part, ctx);
   return toolpath::emit(plan, part.print, header, out, ctx);
 }
 
-SlicedPart slice_part_to(const mesh::TriangleMesh& mesh, const Pose& pose,
-                         const PrepareOptions& options, const fs::path& file, const run::Context& ctx) {
+SlicedPart slice_part_to(const mesh::TriangleMesh& mesh, const Pose& pose, const PrepareOptions& options,
+                         const fs::path& file, const run::Context& ctx) {
   SlicedPart part;
   AtomicFile out(file);
   if (options.print.machine.progress) {

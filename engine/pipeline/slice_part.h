@@ -45,9 +45,8 @@ toolpath::EmitStats slice_part(const mesh::TriangleMesh& mesh, const Pose& pose,
 
 /// The same into a file, written beside it and renamed into place once it is safe on disk, and timed.
 /// Throws std::runtime_error naming the file.
-SlicedPart slice_part_to(const mesh::TriangleMesh& mesh, const Pose& pose,
-                         const PrepareOptions& options, const std::filesystem::path& file,
-                         const run::Context& ctx);
+SlicedPart slice_part_to(const mesh::TriangleMesh& mesh, const Pose& pose, const PrepareOptions& options,
+                         const std::filesystem::path& file, const run::Context& ctx);
 
 /// Only the time it would take, nothing kept.
 double time_part(const mesh::TriangleMesh& mesh, const Pose& pose, const PrepareOptions& options,
