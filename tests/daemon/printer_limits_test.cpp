@@ -10,7 +10,7 @@ namespace {
 
 config::Profile a_profile() {
   config::Profile p;
-  p.sha256 = "0";
+  p.sha256 = std::string(64, '0');
   p.print.machine.bed_mm = {220, 220};
   p.print.machine.height_mm = 250;
   return p;
