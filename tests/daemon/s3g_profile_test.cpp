@@ -1,0 +1,43 @@
+#include "daemon/jobs/s3g_machine.h"
+#include "engine/mesh/write.h"
+#include "engine/pipeline/prepare.h"
+#include "firmware-io/printer_port.h"
+#include "firmware-io/s3g/encoder.h"
+#include "tests/daemon/temp_dir.h"
+#include "tests/support/meshes.h"
+
+#include <catch2/catch.hpp>
+
+using namespace voidpath;
+
+TEST_CASE("what is sliced for a MakerBot can be sent to it, every line") {
+  const test::TempDir dir;
+  mesh::write_model(test::box(20, 10, 2), dir / "box.stl");
+  for (const std::string printer :
+       {"makerbot-replicator", "makerbot-replicator-2", "makerbot-replicator-2x"}) {
+    for (const std::string material : {"pla", "petg", "abs"}) {
+      INFO(printer << ", " << material);
+      const config::Profile profile = config::load_profile(printer, material, "0.28mm");
+      pipeline::PrepareOptions options;
+      options.print = profile.print;
+      options.limits = profile.limits;
+      options.orient.method = orient::Method::as_delivered;
+      options.now_s = [] { return 0.0; };
+      const auto gcode = dir / "box.gcode";
+      const auto prepared = pipeline::prepare(dir / "box.stl", gcode, options, false, {});
+      CHECK(prepared.estimate.predicted_s > 10);
+      fw::s3g::Encoder encoder(daemon::s3g_machine(profile));
+      const auto source = fw::open_gcode_file(gcode.string());
+      std::size_t moves = 0, ends = 0;
+      while (const auto line = source->next()) {
+        for (const auto& action : encoder.encode(line->text).actions) {
+          moves += action.kind == fw::s3g::Action::Kind::move ? 1U : 0U;
+          ends += static_cast<unsigned char>(action.payload[0]) == 154 ? 1U : 0U;
+        }
+      }
+      CHECK(moves > 20);
+      CHECK(ends == 1);
+      CHECK_FALSE(encoder.build_started());
+    }
+  }
+}
