@@ -38,8 +38,11 @@ class Dialogue {
   /// True once after halt(): what was written before and is still on its way should be thrown away.
   virtual bool take_urgent() noexcept = 0;
   virtual bool closing() const noexcept = 0;
-  /// Until then bytes that come may be left lying: there is enough on its way, and fewer awakenings cost less.
+  /// Until then bytes that come may be left lying: there is enough on its way, and fewer awakenings cost
+  /// less.
   virtual double unhurried_until() const noexcept { return 0; }
+  /// Such a rest was to end at `until` and ended at `t`: so late the thread awakes.
+  virtual void rested(double /*until*/, double /*t*/) noexcept {}
 };
 
 }  // namespace voidpath::fw

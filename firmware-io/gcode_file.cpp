@@ -1,5 +1,6 @@
 #include "firmware-io/marlin/codec.h"
 #include "firmware-io/marlin/file_command.h"
+#include "firmware-io/marlin/words.h"
 #include "firmware-io/printer_port.h"
 
 #include <cerrno>
@@ -40,7 +41,9 @@ class GcodeFile final : public LineSource {
       } catch (const std::runtime_error& error) {
         throw std::runtime_error(name_ + ":" + std::to_string(index + 1) + ": " + error.what());
       }
-      if (!command.empty()) return SourceLine{std::move(command), index};
+      if (command.empty()) continue;
+      note_units(command);
+      return SourceLine{marlin::trim_move(command, absolute_ && millimetres_), index};
     }
     return {};
   }
@@ -48,6 +51,14 @@ class GcodeFile final : public LineSource {
   std::uint64_t size() const noexcept override { return size_; }
 
  private:
+  // A file that says neither is taken to count on what the printer was left in.
+  void note_units(const std::string& command) {
+    const marlin::Word word = marlin::first_word(command);
+    if (word.letter != 'G') return;
+    if (word.number == 90 || word.number == 91) absolute_ = word.number == 90;
+    if (word.number == 20 || word.number == 21) millimetres_ = word.number == 21;
+  }
+
   // The next line without its end; false at the end of the file.
   bool read_line() {
     line_.clear();
@@ -70,6 +81,8 @@ class GcodeFile final : public LineSource {
   std::unique_ptr<std::FILE, CloseFile> file_;
   std::string line_;
   std::uint32_t lines_ = 0;
+  bool absolute_ = false;
+  bool millimetres_ = true;  ///< as every firmware begins
   std::uint64_t position_ = 0;
   std::uint64_t size_ = 0;
 };

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cmath>
 #include <deque>
 #include <mutex>
 #include <stdexcept>
@@ -24,6 +23,8 @@ namespace {
 constexpr double kLongestPoll_s = 3600;
 // The longest rest beside a readable port.
 constexpr double kLongestRest_s = 0.02;
+// A shorter one costs more than it saves.
+constexpr double kShortestRest_s = 0.0001;
 
 class Session final : public PrinterPort {
  public:
@@ -149,8 +150,13 @@ class Session final : public PrinterPort {
     if (stop_at > 0) until = std::min(until, stop_at);
     if (transport_ && dialogue_->output().empty() && fds[1].events == POLLIN) {
       // With the port left out of it: only another thread's word ends this rest early.
-      const double rest = std::min(dialogue_->unhurried_until(), until) - now();
-      if (rest > 0 && wait(fds[0], 1, std::min(rest, kLongestRest_s)) == 0) return;
+      const double begin = now();
+      const double end = std::min({dialogue_->unhurried_until(), until, begin + kLongestRest_s});
+      if (end - begin > kShortestRest_s && wait(fds[0], 1, end - begin) == 0) {
+        // What came meanwhile is read at once; the next wait finds out if it was nothing.
+        dialogue_->rested(end, now());
+        return;
+      }
     }
     wait(fds[0], fds.size(), std::clamp(until - now(), 0.0, kLongestPoll_s));
     std::uint64_t count = 0;
@@ -159,7 +165,8 @@ class Session final : public PrinterPort {
   }
 
   static int wait(pollfd& first, std::size_t count, double seconds) noexcept {
-    const timespec time{static_cast<std::time_t>(seconds), static_cast<long>(std::fmod(seconds, 1.0) * 1e9)};
+    const auto whole = static_cast<std::time_t>(seconds);
+    const timespec time{whole, static_cast<long>((seconds - static_cast<double>(whole)) * 1e9)};
     return ::ppoll(&first, count, &time, nullptr);
   }
 

@@ -50,7 +50,7 @@ void Driver::settle(double t) {
     collect(t);
     pump(t);
     check_health();
-    rest_until_ = job_ && phase_ == Phase::ready ? t + link_.rest_s() : 0;
+    rest_until_ = job_ && phase_ == Phase::ready ? link_.rest_until() : 0;
   }
 }
 
@@ -277,7 +277,7 @@ double Driver::end_probe_at() const noexcept {
   return link_.progress_t() + options_.timing.patience_s / 2;
 }
 
-bool Driver::reports_by_itself() const noexcept { return offers("AUTOREPORT_TEMP"); }
+bool Driver::reports_by_itself() const noexcept { return autoreport_; }
 
 bool Driver::offers(const std::string& capability) const {
   const auto found = firmware_.capabilities.find(capability);

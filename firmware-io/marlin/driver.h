@@ -62,6 +62,7 @@ class Driver final : public Dialogue {
   std::string& output() noexcept override { return link_.output(); }
   bool take_urgent() noexcept override { return std::exchange(urgent_, false); }
   double unhurried_until() const noexcept override { return rest_until_; }
+  void rested(double until, double t) noexcept override { link_.note_rested(until, t); }
   bool closing() const noexcept override { return phase_ == Phase::closed; }
 
  private:
@@ -113,6 +114,7 @@ class Driver final : public Dialogue {
   std::deque<std::string> queries_;   ///< of our own, once after connecting
   std::deque<std::string> controls_;  ///< lines of our own and the user's, ahead of the file's
   FirmwareInfo firmware_;
+  bool autoreport_ = false;  ///< it tells its temperatures by itself
   Phase phase_ = Phase::closed;
   double phase_deadline_ = 0;
   bool start_seen_ = false;

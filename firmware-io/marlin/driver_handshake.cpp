@@ -34,6 +34,7 @@ void Driver::forget_dialogue() {
   repacking_until_ = rest_until_ = 0;
   settings_ = {};
   firmware_ = {};
+  autoreport_ = false;
 }
 
 void Driver::greet(double t) {
@@ -154,6 +155,7 @@ void Driver::become_ready(double t) {
   connected_ = true;
   last_loss_.clear();
   polled_t_ = 0;
+  autoreport_ = offers("AUTOREPORT_TEMP");
   if (reports_by_itself()) {
     controls_.push_back("M155 S1");
     polled_t_ = t;

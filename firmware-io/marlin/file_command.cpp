@@ -4,6 +4,7 @@
 #include "firmware-io/marlin/words.h"
 
 #include <algorithm>
+#include <optional>
 #include <stdexcept>
 
 namespace voidpath::fw::marlin {
@@ -11,6 +12,8 @@ namespace {
 
 // 0.01 µm: below any printer's step.
 constexpr std::size_t kDecimals = 5;
+// Of a place on an absolute axis: half a micrometre at the most is lost, and nothing adds up.
+constexpr std::size_t kPlaceDecimals = 3;
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 char capital(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
@@ -46,7 +49,91 @@ std::string shorten_numbers(const std::string& text) {
   return out;
 }
 
+// A number as G-code writes it: sign, digits, point, digits.
+struct Decimal {
+  bool negative = false;
+  std::string_view whole, fraction;  ///< without needless zeros
+};
+
+// Takes the number at the front of `text` away; nothing when there is none, or none so plain.
+std::optional<Decimal> take_decimal(std::string_view& text) {
+  Decimal number;
+  if (!text.empty() && (text.front() == '-' || text.front() == '+')) {
+    number.negative = text.front() == '-';
+    text.remove_prefix(1);
+  }
+  const auto take_digits = [&] {
+    std::size_t n = 0;
+    while (n < text.size() && is_digit(text[n])) ++n;
+    const std::string_view digits = text.substr(0, n);
+    text.remove_prefix(n);
+    return digits;
+  };
+  number.whole = take_digits();
+  const bool digits_before = !number.whole.empty();
+  if (!text.empty() && text.front() == '.') {
+    text.remove_prefix(1);
+    number.fraction = take_digits();
+  }
+  if (!digits_before && number.fraction.empty()) return {};
+  number.whole.remove_prefix(std::min(number.whole.find_first_not_of('0'), number.whole.size()));
+  number.fraction = number.fraction.substr(0, number.fraction.find_last_not_of('0') + 1);
+  return number;
+}
+
+void append(std::string& out, const Decimal& number) {
+  if (number.whole.empty() && number.fraction.empty()) {
+    out += '0';
+    return;
+  }
+  if (number.negative) out += '-';
+  out += number.whole;
+  if (!number.fraction.empty()) out += '.', out += number.fraction;
+}
+
+// To the nearest thousandth.
+void append_rounded(std::string& out, const Decimal& number) {
+  std::string digits =
+      '0' + std::string(number.whole) + std::string(number.fraction.substr(0, kPlaceDecimals));
+  if (number.fraction[kPlaceDecimals] >= '5') {
+    std::size_t i = digits.size() - 1;
+    while (digits[i] == '9') digits[i--] = '0';
+    ++digits[i];
+  }
+  std::string_view rest = digits;
+  const std::string_view fraction = rest.substr(rest.size() - kPlaceDecimals);
+  rest.remove_suffix(kPlaceDecimals);
+  rest.remove_prefix(std::min(rest.find_first_not_of('0'), rest.size()));
+  append(out, {number.negative, rest, fraction.substr(0, fraction.find_last_not_of('0') + 1)});
+}
+
+bool is_move(const Word& word) { return word.letter == 'G' && word.number >= 0 && word.number <= 3; }
+
 }  // namespace
+
+std::string trim_move(std::string_view line, bool absolute_mm) {
+  if (!is_move(first_word(line))) return std::string(line);
+  std::string out;
+  out.reserve(line.size());
+  for (std::string_view rest = line; !rest.empty();) {
+    const char letter = rest.front();
+    rest.remove_prefix(1);
+    if (letter == ' ') {
+      if (!rest.empty() && rest.front() != ' ') out += ' ';
+      continue;
+    }
+    const auto number = letter >= 'A' && letter <= 'Z' ? take_decimal(rest) : std::nullopt;
+    if (!number || (!rest.empty() && (rest.front() == '.' || rest.front() == '-' || rest.front() == '+')))
+      return std::string(line);
+    out += letter;
+    const bool place = letter == 'X' || letter == 'Y' || letter == 'Z';
+    if (place && absolute_mm && number->fraction.size() > kPlaceDecimals)
+      append_rounded(out, *number);
+    else
+      append(out, *number);
+  }
+  return out;
+}
 
 std::string file_command(std::string_view raw) {
   if (raw.find('\0') != std::string_view::npos) throw std::runtime_error("not G-code: binary data");

@@ -12,4 +12,10 @@ namespace voidpath::fw::marlin {
 /// Throws std::runtime_error when the line cannot be made short enough, or holds zero bytes.
 std::string file_command(std::string_view raw);
 
+/// A move (G0 to G3) of a command from file_command() in fewer bytes: without zeros that say nothing, blanks
+/// in a row and needless signs; with `absolute_mm` (G90 and G21 hold), X, Y and Z at the nearest thousandth.
+/// All other values stay exactly what they were. Anything else, and whatever it does not understand in full,
+/// comes back as it is.
+std::string trim_move(std::string_view line, bool absolute_mm);
+
 }  // namespace voidpath::fw::marlin

@@ -17,10 +17,15 @@ constexpr int kWaitsThatMeanLoss = 2;
 // Packing begins again after so many lines without a request.
 constexpr std::uint64_t kQuietLines = 2000;
 
-// A line of which the wire has carried only a part has no ok yet.
-constexpr int kLineBytes = 64;
-// Of the time there is; the rest is for a late awakening.
-constexpr double kCaution = 0.7;
+// Before the wire runs dry the thread wants to be awake and to have written, this much earlier than all but
+// one in fifty of its awakenings are late. At the most so much of what the window holds: what must be sent
+// earlier than that may as well be sent at each ok.
+constexpr double kLeastLead_s = 0.0003;
+constexpr double kMostLead = 0.3;
+// How the estimate of that lateness moves: up with the one, down with each of the fifty.
+constexpr double kLatenessUp_s = 1e-4;
+constexpr double kLatenessDown_s = kLatenessUp_s / 50;
+constexpr double kMostLateness_s = 0.01;
 
 // A longer answer to the greeting tells of a busy printer, not of the wire.
 constexpr double kLongestRoundTrip_s = 0.2;
@@ -33,6 +38,7 @@ Link::Link(WindowOptions options, Timing timing, double byte_s, const Clock& sta
 void Link::restart(std::uint32_t last) {
   window_.restart(last);
   outstanding_.clear();
+  wire_free_t_ = 0;
   held_ = false;
   waits_ = 0;
 }
@@ -54,10 +60,15 @@ bool Link::packing_due() const noexcept {
          !window_.resending();
 }
 
-double Link::rest_s() const noexcept {
+double Link::rest_until() const noexcept {
   if (!window_.waiting() || window_.draining() || window_.throttled()) return 0;
-  const double ahead = (window_.bytes_in_flight() - kLineBytes) * byte_s_ - round_trip_s_;
-  return std::max(0.0, kCaution * ahead);
+  const double most = kMostLead * window_.limit_bytes() * byte_s_;
+  return wire_free_t_ - std::min(kLeastLead_s + lateness_s_, most);
+}
+
+void Link::note_rested(double until, double t) noexcept {
+  const bool later = t - until > lateness_s_;
+  lateness_s_ = std::clamp(lateness_s_ + (later ? kLatenessUp_s : -kLatenessDown_s), 0.0, kMostLateness_s);
 }
 
 void Link::write(std::string_view bytes, std::string_view shown, double t) {
@@ -65,6 +76,7 @@ void Link::write(std::string_view bytes, std::string_view shown, double t) {
   patience_t_ = t;
   recorder_.sent(stamp_.now_s(), shown);
   output_ += bytes;
+  wire_free_t_ = std::max(wire_free_t_, t) + static_cast<double>(bytes.size()) * byte_s_;
   ++lines_sent_;
   bytes_sent_ += bytes.size();
 }

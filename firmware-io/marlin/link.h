@@ -56,8 +56,10 @@ class Link {
   void packing_failed() noexcept { quiet_lines_ = 0; }
   /// After all was forgotten: nothing is packed.
   void forget_packing() noexcept { window_.set_packing(false), packed_once_ = false; }
-  /// For so long what is on its way keeps the wire busy.
-  double rest_s() const noexcept;
+  /// Until then what was written keeps the wire busy, and oks may be left lying; 0: not at all.
+  double rest_until() const noexcept;
+  /// A rest that was to end at `until` ended at `t`.
+  void note_rested(double until, double t) noexcept;
   bool may_send(std::string_view payload) const { return window_.may_send(payload); }
   void send(std::string_view payload, Tag tag, double t);
   /// Without a number. `answered`: an ok comes back for it.
@@ -106,6 +108,8 @@ class Link {
   std::string output_;
   std::deque<Outstanding> outstanding_;
   double round_trip_s_ = 0;
+  double wire_free_t_ = 0;  ///< when the last byte written has gone, at the wire's pace
+  double lateness_s_ = 0;   ///< no longer than that this thread awakes late, mostly
   double received_t_ = 0;
   double progress_t_ = 0;
   double patience_t_ = 0;

@@ -10,6 +10,8 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <random>
 
 #include <catch2/catch.hpp>
 
@@ -45,7 +47,7 @@ TEST_CASE("a file's commands come in order with their line numbers", "[gcode_fil
     CHECK(source->position() > before);
     before = source->position();
   }
-  CHECK(lines == decltype(lines){{1, "G28"}, {4, "G1 X1.5 Y2 E0.1"}, {6, "M117 hi you"}, {7, "M84"}});
+  CHECK(lines == decltype(lines){{1, "G28"}, {4, "G1 X1.5 Y2 E.1"}, {6, "M117 hi you"}, {7, "M84"}});
   CHECK(source->position() == source->size());
   CHECK(source->size() == std::filesystem::file_size(file.path));
 }
@@ -141,4 +143,59 @@ TEST_CASE("the recorder keeps the last lines each way, in order", "[flight_recor
   }
   CHECK(recorder.lines() == std::vector<std::string>{"0.500 < ok", "5.500 < ok", "7.000 > G1 X7",
                                                      "8.000 > G1 X8", "9.000 > G1 X9"});
+}
+
+TEST_CASE("a move is written in fewer bytes", "[gcode_file]") {
+  CHECK(marlin::trim_move("G1 X010.500 Y-0.250  Z+3.000 E0.12300 F1800.0", true) ==
+        "G1 X10.5 Y-.25 Z3 E.123 F1800");
+  CHECK(marlin::trim_move("G1 X1.2345 Y9.9996 Z-0.0004 E1.234567", true) == "G1 X1.235 Y10 Z0 E1.234567");
+  CHECK(marlin::trim_move("G1 X1.2345 Y-0.000 Z5.", false) == "G1 X1.2345 Y0 Z5");
+  CHECK(marlin::trim_move("G2 X1.00 I0.12345 J-0.50000", true) == "G2 X1 I.12345 J-.5");
+  for (const char* other : {"M117 X1.500 0.50", "G92 E0.000", "G29 P1.0", "G1 X Y", "G1 X1.2.3", "G1 X1-2",
+                            "G1 X1 \"a 0.50\"", "G1 X."})
+    CHECK(marlin::trim_move(other, true) == other);
+}
+
+TEST_CASE("a shortened move goes where it went", "[gcode_file]") {
+  const auto values = [](const std::string& line) {
+    std::map<char, double> out;
+    for (std::size_t i = 0; i + 1 < line.size(); ++i)
+      if (line[i] >= 'A' && line[i] <= 'Z') out[line[i]] = std::strtod(line.c_str() + i + 1, nullptr);
+    return out;
+  };
+  std::mt19937 random(7);
+  const auto number = [&] {
+    std::string text = random() % 3 == 0 ? "-" : "";
+    for (auto n = random() % 4; n > 0; --n) text += static_cast<char>('0' + random() % 10);
+    if (text.empty() || text == "-") text += '0';
+    if (random() % 4 == 0) return text;
+    text += '.';
+    for (auto n = random() % 7; n > 0; --n)
+      text += random() % 2 == 0 ? '9' : static_cast<char>('0' + random() % 10);
+    return text;
+  };
+  for (int i = 0; i < 20000; ++i) {
+    const std::string line =
+        "G1 X" + number() + " Y" + number() + " Z" + number() + " E" + number() + " F" + number();
+    const bool absolute = i % 2 == 0;
+    const std::string shorter = marlin::trim_move(line, absolute);
+    CAPTURE(line, shorter);
+    REQUIRE(shorter.size() <= line.size());
+    const auto before = values(line), after = values(shorter);
+    REQUIRE(before.size() == after.size());
+    for (const auto& [letter, value] : before) {
+      const bool place = letter >= 'X' && letter <= 'Z';
+      REQUIRE(std::abs(after.at(letter) - value) <= (absolute && place ? 0.0005000001 : 0));
+    }
+    REQUIRE(marlin::trim_move(shorter, absolute) == shorter);
+  }
+}
+
+TEST_CASE("places are rounded where nothing can add up", "[gcode_file]") {
+  const ScratchFile file("G1 X1.00049\nG90\nG1 X1.00049\nG20\nG1 X1.00049\nG21\nG91\nG1 X1.00049\n");
+  const auto source = open_gcode_file(file.path);
+  std::vector<std::string> moves;
+  while (const auto line = source->next())
+    if (line->text.starts_with("G1")) moves.push_back(line->text);
+  CHECK(moves == std::vector<std::string>{"G1 X1.00049", "G1 X1", "G1 X1.00049", "G1 X1.00049"});
 }

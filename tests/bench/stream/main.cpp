@@ -111,6 +111,7 @@ void compare(const std::string& self, const std::string& python, const Stream& s
       measure("voidpath, MeatPack", printer(baud, true), {self, "--host", "PORT", rate, file}, stream);
   demand(packed.of_plain >= 1.5, "1.5 x the plain limit with MeatPack");
   demand(packed.outcome.resends == 0, "no resends on a clean line, packed");
+  if (python == "-") return;
   const Row core =
       measure("printcore", printer(baud, false), {"/usr/bin/python3", python, "PORT", rate, file}, stream);
   std::printf("  voidpath / printcore: %.2f x the lines, MeatPack %.2f x, %.0f x less CPU\n",
@@ -123,6 +124,8 @@ int bench_stream(const std::string& self, const std::string& python, const std::
   const auto scratch =
       std::filesystem::temp_directory_path() / ("bench_stream." + std::to_string(::getpid()));
   std::filesystem::create_directories(scratch);
+  if (!take_precedence()) std::printf("without precedence: other programs are measured, too\n");
+  std::printf("a thread here pays %.1f us of CPU to sleep 3 ms and do nothing\n", 1e6 * cost_of_sleep_s());
   for (const std::string& file : files) {
     const Stream stream = moves_of(file, lines, scratch);
     for (const double baud : {115200.0, 250000.0}) {
@@ -184,8 +187,9 @@ int main(int argc, char** argv) {
     if (a.size() >= 3)
       return bench_stream(self, a[0], {a.begin() + 2, a.end()},
                           static_cast<std::size_t>(std::atoi(a[1].c_str())));
-    std::fprintf(stderr,
-                 "usage: bench_stream PRINTCORE_HOST.py LINES FILE.gcode... | --estop FILE.gcode [TRIALS]\n");
+    std::fprintf(
+        stderr,
+        "usage: bench_stream PRINTCORE_HOST.py|- LINES FILE.gcode... | --estop FILE.gcode [TRIALS]\n");
     return 2;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "bench_stream: %s\n", error.what());

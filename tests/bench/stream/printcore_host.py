@@ -1,4 +1,5 @@
 """Prints a file through Printrun's printcore: PORT BAUD FILE."""
+import resource
 import sys
 import time
 
@@ -14,8 +15,17 @@ while not core.online:
     if time.monotonic() > deadline:
         sys.exit("printcore: not online")
     time.sleep(0.02)
+def cpu_s():
+    usage = resource.getrusage(resource.RUSAGE_SELF)
+    return usage.ru_utime + usage.ru_stime
+
+
 with open(path) as file:
-    core.startprint(gcoder.LightGCode([line.rstrip("\n") for line in file]))
+    lines = gcoder.LightGCode([line.rstrip("\n") for line in file])
+before_s = cpu_s()
+core.startprint(lines)
 while core.printing:
     time.sleep(0.05)
+took_s = cpu_s() - before_s
 core.disconnect()
+print(took_s)

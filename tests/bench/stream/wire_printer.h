@@ -20,7 +20,7 @@ struct Outcome {
   double stream_s = 0;         ///< between the executions of the first and the last
   std::uint64_t resends = 0;
   std::uint64_t bytes_dropped = 0;
-  double cpu_s = 0;        ///< of the host's process
+  double cpu_s = 0;        ///< what the host said last: of its process, while it printed
   double resident_mb = 0;  ///< its highest
   std::string output;      ///< what it printed
   std::vector<std::string> executed;
@@ -33,5 +33,12 @@ Outcome run_host(const voidpath::test::mock::Options& printer, std::vector<std::
                  std::string_view first, std::string_view last, double limit_s);
 
 double monotonic_s();
+/// Of this process.
+double cpu_time_s();
+/// CPU time of one sleep of 3 ms: what the kernel, the machine and its other programs make of an awakening.
+double cost_of_sleep_s();
+/// From now on this process and its children come before all that is not real-time, so that a busy machine
+/// is not mistaken for the wire or the host. False where that is not allowed.
+bool take_precedence();
 
 }  // namespace voidpath::bench
