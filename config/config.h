@@ -70,6 +70,7 @@ struct PrinterConfig {
   std::string quality = "0.20mm";
   std::string port;
   int baud = 115200;
+  bool meatpack = true;  ///< lines go packed where the firmware offers it
   std::vector<std::filesystem::path> watch;
   bool auto_clear = false;
   std::filesystem::path clock;  ///< empty: the computer's

@@ -50,6 +50,7 @@ void read_printer(Reader& r, PrinterConfig& p, const fs::path& base) {
   r.text("quality", p.quality);
   r.text("port", p.port);
   r.integer("baud", p.baud, {1200, 4000000});
+  r.choice("meatpack", p.meatpack, {{"auto", true}, {"off", false}});
   r.paths("watch", p.watch);
   r.flag("auto_clear", p.auto_clear);
   r.path("clock", p.clock);

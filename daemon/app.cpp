@@ -76,6 +76,7 @@ fw::PortOptions port_options(const config::PrinterConfig& printer) {
   fw::PortOptions out;
   out.port = printer.port;
   out.baud = printer.baud;
+  out.meatpack = printer.meatpack;
   out.rx_bytes = profile.limits.rx_bytes;
   out.cancel_gcode = profile.cancel_gcode;
   if (profile.limits.firmware == motion::Firmware::s3g) out.s3g = s3g_machine(profile);

@@ -22,6 +22,9 @@ constexpr double kHot_c = 45;
 // After an emergency stop the port stays open so long, for the printer's last words.
 constexpr double kLastWords_s = 1;
 
+// Marlin offers three at the most; more is noise.
+constexpr int kMostChoices = 16;
+
 const std::vector<std::string> kHeatersOff = {"M104 S0", "M140 S0", "M107"};
 
 }  // namespace
@@ -71,6 +74,8 @@ void Driver::dispatch(const std::string& line, double t) {
 void Driver::dispatch_ready(const Reply& reply, double t) {
   if (const auto* ok = std::get_if<Ok>(&reply)) {
     collect(t);
+    // Commands run one after the other: this is the ok of the one that waited for a person.
+    if (std::exchange(printer_waits_, false)) resume(t);
     if (!ok->sensors.empty()) {
       note_sensors(ok->sensors);
       if (job_) job_->on_temperature_ok(link_);
@@ -91,6 +96,10 @@ void Driver::dispatch_ready(const Reply& reply, double t) {
     if (busy->for_user) {
       link_.hold();
       emit(Message{busy->why});
+      if (job_ && job_->feeding()) {
+        printer_waits_ = true;
+        job_->pause(true, busy->why);
+      }
     }
   } else if (std::holds_alternative<Start>(reply)) {
     on_restart(t);
@@ -99,6 +108,8 @@ void Driver::dispatch_ready(const Reply& reply, double t) {
   } else if (const auto* echo = std::get_if<Echo>(&reply)) {
     if (queries_unanswered_ == 0) emit(Message{echo->text});
     if (job_ && echo->text.starts_with("Unknown command")) ++unknown_commands_;
+    // From here on the print lacks filament: a person decides whether it is worth going on.
+    if (job_ && echo->text.find("extrusion prevented") != std::string::npos) job_->pause(true, echo->text);
   } else if (const auto* other = std::get_if<Other>(&reply)) {
     if (queries_unanswered_ == 0) emit(Message{other->text});
   } else if (const auto* state = std::get_if<PackState>(&reply)) {
@@ -134,6 +145,7 @@ void Driver::on_restart(double t) {
 }
 
 void Driver::on_action(const Action& action, double t) {
+  if (action.name.starts_with("prompt_")) return on_prompt(action);
   emit(Message{"action: " + action.name + (action.argument.empty() ? "" : " " + action.argument)});
   if (action.name == "pause" || action.name == "paused" || action.name == "out_of_filament") {
     if (job_) job_->pause(true, action.argument.empty() ? "the printer asked for it" : action.argument);
@@ -142,6 +154,21 @@ void Driver::on_action(const Action& action, double t) {
     resume(t);
   } else if (action.name == "cancel") {
     cancel("the printer asked for it", t);
+  }
+}
+
+// The answer is M876, which command() sends at once.
+void Driver::on_prompt(const Action& action) {
+  if (action.name == "prompt_begin") {
+    prompt_ = "the printer asks: " + action.argument;
+    prompt_choices_ = 0;
+  } else if (action.name == "prompt_choice" || action.name == "prompt_button") {
+    if (prompt_choices_ < kMostChoices)
+      prompt_ += "; M876 S" + std::to_string(prompt_choices_++) + ": " + action.argument;
+  } else if (action.name == "prompt_show" && !prompt_.empty()) {
+    emit(Message{prompt_});
+  } else if (action.name == "prompt_end") {
+    prompt_.clear();
   }
 }
 
@@ -330,6 +357,7 @@ void Driver::print(std::unique_ptr<LineSource> source, double t) {
 }
 
 void Driver::pause() {
+  printer_waits_ = false;  // a person's wish outlasts the printer's
   if (job_) job_->pause(false, "");
 }
 

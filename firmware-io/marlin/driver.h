@@ -81,6 +81,7 @@ class Driver final : public Dialogue {
   void dispatch_handshake(const Reply& reply, double t);
   void dispatch_ready(const Reply& reply, double t);
   void on_action(const Action& action, double t);
+  void on_prompt(const Action& action);
   void on_error(const Error& error, double t);
   void on_restart(double t);
   void handshake_elapsed(double t);
@@ -136,6 +137,9 @@ class Driver final : public Dialogue {
   std::uint64_t doubtful_seen_ = 0;
   std::uint64_t nameless_seen_ = 0;
   std::uint64_t unknown_commands_ = 0;
+  bool printer_waits_ = false;  ///< it said so; paused until its next ok
+  std::string prompt_;          ///< a question as far as it was heard
+  int prompt_choices_ = 0;
 };
 
 }  // namespace voidpath::fw::marlin

@@ -34,7 +34,8 @@ void Driver::forget_dialogue() {
   repacking_until_ = rest_until_ = 0;
   settings_ = {};
   firmware_ = {};
-  autoreport_ = false;
+  autoreport_ = printer_waits_ = false;
+  prompt_.clear();
 }
 
 void Driver::greet(double t) {

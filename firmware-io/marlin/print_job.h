@@ -41,6 +41,7 @@ class PrintJob {
 
   bool over() const noexcept { return state_ == State::over; }
   bool ending() const noexcept { return state_ == State::ending; }
+  bool feeding() const noexcept { return state_ == State::feeding; }
   bool paused() const noexcept { return state_ == State::paused; }
   /// Nothing but the last answers is waited for: a lost one would be met by no line behind it.
   bool at_end() const noexcept { return state_ == State::finishing || state_ == State::verifying; }

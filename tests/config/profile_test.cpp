@@ -218,6 +218,7 @@ TEST_CASE("the shipped daemon configuration is valid and says what the defaults 
   CHECK(c.orient.search.limits.min_contact_share == defaults.orient.search.limits.min_contact_share);
   REQUIRE(c.printers.size() == 1);
   CHECK_FALSE(c.printers[0].auto_clear);
+  CHECK(c.printers[0].meatpack);
 }
 
 TEST_CASE("a daemon configuration is checked as a whole") {
@@ -227,6 +228,9 @@ TEST_CASE("a daemon configuration is checked as a whole") {
   };
   const std::string one = "  - {name: a, profile: generic-marlin, port: /dev/ttyUSB0, watch: [in]}\n";
   CHECK(load("printers:\n" + one).empty());
+  const std::string packed = "  - {name: a, profile: generic-marlin, port: /dev/ttyUSB0, meatpack: ";
+  CHECK_THAT(load("printers:\n" + packed + "perhaps}\n"), Catch::Contains("meatpack"));
+  CHECK_FALSE(load_daemon(scratch.write("v.yaml", "printers:\n" + packed + "off}\n")).printers[0].meatpack);
   CHECK_THAT(load("printers:\n" + one + one), Catch::Contains("two printers are called 'a'"));
   CHECK_THAT(load("printers:\n" + one +
                   "  - {name: b, profile: generic-marlin, port: /dev/ttyUSB1, watch: [./in]}\n"),

@@ -31,3 +31,54 @@ TEST_CASE("a printer's own settings are known after connecting, in the words of 
     if (const auto* message = std::get_if<Message>(&event.what))
       CHECK(message->text.find("M92") == std::string::npos);
 }
+
+TEST_CASE("each dialect prints a file exactly once", "[dialect]") {
+  const std::string firmware = GENERATE("marlin2", "marlin1", "prusa", "repetier", "smoothie");
+  CAPTURE(firmware);
+  MockBench bench(mock::make_mock().firmware(firmware).cold_extrusion().instant_moves().build());
+  REQUIRE(bench.connect());
+  std::vector<std::string> file;
+  for (int i = 0; i < 300; ++i) file.push_back("G1 X" + std::to_string(i) + " E" + std::to_string(i));
+  bench.print(file);
+  REQUIRE(bench.run_until([&] { return bench.over(); }, 120));
+  CHECK(bench.count<PrintFinished>() == 1);
+  auto moves = bench.log;
+  std::erase_if(moves, [](const std::string& line) { return !line.starts_with("G1"); });
+  CHECK(moves == file);
+}
+
+TEST_CASE("a print that the printer starves of filament is paused", "[dialect]") {
+  MockBench bench(mock::make_mock().instant_moves().build());
+  REQUIRE(bench.connect());
+  std::vector<std::string> file = {"G1 X10 F600"};
+  for (int i = 0; i < 100; ++i) file.push_back("G1 X" + std::to_string(i) + " E" + std::to_string(i));
+  bench.print(file);
+  REQUIRE(bench.run_until([&] { return bench.count<Paused>() > 0; }));
+  CHECK(bench.find<Paused>()->by_printer);
+  CHECK(bench.find<Paused>()->reason == "cold extrusion prevented");
+  bench.run_for(10);
+  CHECK_FALSE(bench.over());
+  CHECK(bench.log.size() < file.size());
+}
+
+TEST_CASE("a filament change is a pause by the printer with a question, and its answer ends it",
+          "[dialect]") {
+  MockBench bench(mock::make_mock().cold_extrusion().instant_moves().emergency_parser().build());
+  REQUIRE(bench.connect());
+  std::vector<std::string> file = {"G1 X10 F600", "M600"};
+  for (int i = 0; i < 20; ++i) file.push_back("G1 X" + std::to_string(i));
+  bench.print(file);
+  REQUIRE(bench.run_until([&] { return bench.count<Paused>() > 0; }));
+  CHECK(bench.find<Paused>()->by_printer);
+  bench.run_for(600);
+  CHECK_FALSE(bench.over());
+  const auto asked = [](const Event& event) {
+    const auto* message = std::get_if<Message>(&event.what);
+    return message != nullptr && message->text == "the printer asks: Paused; M876 S0: Continue";
+  };
+  CHECK(std::any_of(bench.events.begin(), bench.events.end(), asked));
+  bench.driver.command("M876 S0", bench.t());
+  REQUIRE(bench.run_until([&] { return bench.over(); }));
+  CHECK(bench.count<Resumed>() == 1);
+  CHECK(bench.count<PrintFinished>() == 1);
+}
