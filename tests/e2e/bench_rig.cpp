@@ -1,5 +1,7 @@
 #include "tests/e2e/bench_rig.h"
 
+#include "firmware-io/marlin/file_command.h"
+
 #include <fstream>
 #include <set>
 #include <stdexcept>
@@ -48,7 +50,8 @@ std::string program(const std::string& name) { return std::string(VOIDPATH_BIN_D
 std::vector<std::string> commands_of(const fs::path& gcode) {
   std::vector<std::string> out;
   for (const std::string& line : lines_of(read_file(gcode)))
-    if (const std::string command = trimmed(line); !command.empty()) out.push_back(command);
+    if (const std::string command = trimmed(line); !command.empty())
+      out.push_back(fw::marlin::trim_move(command, true));  // as it goes over the wire
   return out;
 }
 
