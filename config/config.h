@@ -63,11 +63,36 @@ struct PinsConfig {
   bool light_printing = true;   ///< the light goes on with a print, and off after it
 };
 
+inline constexpr const char* kBuiltinSlicer = "builtin";
+inline constexpr const char* kPrusaSlicer = "prusa-slicer";
+inline constexpr const char* kCuraEngine = "cura-engine";
+
+/// A slicer that is installed beside voidpath, and what it is given.
+struct ProgramConfig {
+  std::string program;             ///< a name to look up in PATH, or a path
+  std::filesystem::path profile;   ///< PrusaSlicer: its exported configuration; Cura: settings, key = value
+  std::filesystem::path definition;  ///< Cura only: the machine's .def.json
+  double time_limit_s = 900;
+  double memory_limit_mb = 0;  ///< 0: three quarters of the computer's
+};
+
+struct SlicerConfig {
+  std::string name = kBuiltinSlicer;
+  ProgramConfig prusa_slicer{.program = "prusa-slicer", .profile = {}, .definition = {}};
+  ProgramConfig cura_engine{.program = "CuraEngine", .profile = {}, .definition = {}};
+
+  /// The one that is named; of the built-in one, nothing.
+  const ProgramConfig* program() const {
+    return name == kPrusaSlicer ? &prusa_slicer : name == kCuraEngine ? &cura_engine : nullptr;
+  }
+  ProgramConfig* program() { return const_cast<ProgramConfig*>(std::as_const(*this).program()); }
+};
+
 struct PrinterConfig {
   std::string name;
   std::string profile;
-  std::string material = "pla";
-  std::string quality = "0.20mm";
+  std::string material;  ///< empty: pla, or the printer profile's own if that is complete
+  std::string quality;   ///< empty: 0.20mm, likewise
   std::string port;
   int baud = 115200;
   bool meatpack = true;  ///< lines go packed where the firmware offers it
@@ -75,6 +100,7 @@ struct PrinterConfig {
   bool auto_clear = false;
   std::filesystem::path clock;  ///< empty: the computer's
   PinsConfig pins;
+  std::filesystem::path slicer_profile;  ///< instead of the profile of the slicer's section; empty: that
 };
 
 struct DaemonConfig {
@@ -82,7 +108,7 @@ struct DaemonConfig {
   std::filesystem::path state_dir = "/var/lib/voidpath";
   std::string listen = "127.0.0.1:8017";
   OrientConfig orient;
-  std::string slicer = "builtin";
+  SlicerConfig slicer;
   double settle_s = 1.0;  ///< a dropped file counts once it was closed and has not changed for this long
   std::vector<PrinterConfig> printers;
 };
@@ -90,6 +116,7 @@ struct DaemonConfig {
 /// What a `MODEL.voidpath.yaml` beside a model, or `.voidpath.yaml` in a watched folder, may say.
 struct JobOverrides {
   std::string method;    ///< "" or an orientation method, "as-delivered" included
+  std::string slicer;    ///< "" or a slicer's name
   std::string material;
   std::string quality;
   std::optional<double> scale;  ///< empty: not said
@@ -114,7 +141,8 @@ void check_pins(const DaemonConfig& config);
 DaemonConfig load_daemon(const std::filesystem::path& file);
 
 /// `set` holds "section.key" and value as on the command line (--set slice.perimeters=3,
-/// machine.bed_mm=[250,210]). Names may be files. Throws ConfigError.
+/// machine.bed_mm=[250,210]). Names may be files. Empty material and quality: pla and 0.20mm, unless the printer's
+/// profile says `complete: true`. Throws ConfigError.
 Profile load_profile(const std::string& printer, const std::string& material, const std::string& quality,
                      const std::vector<std::pair<std::string, std::string>>& set = {});
 

@@ -1,9 +1,9 @@
-#include <cstdlib>
-#include <set>
-
 #include "config/config.h"
 #include "config/fields.h"
 #include "config/pins.h"
+
+#include <cstdlib>
+#include <set>
 
 namespace voidpath::config {
 
@@ -38,9 +38,31 @@ void read_orient(Reader& r, OrientConfig& o) {
   r.number("bed_margin_mm", s.limits.bed_margin_mm, {0, 100});
 }
 
+const Names<std::string> kSlicers = {
+    {kBuiltinSlicer, kBuiltinSlicer}, {kPrusaSlicer, kPrusaSlicer}, {kCuraEngine, kCuraEngine}};
+
 /// A relative path in a configuration file is meant from that file's folder.
 fs::path anchored(const fs::path& path, const fs::path& base) {
   return path.empty() || path.is_absolute() || base.empty() ? path : base / path;
+}
+
+void read_program(Reader& r, ProgramConfig& p, const fs::path& base, const char* profile_key) {
+  r.text("program", p.program);
+  if (p.program.empty()) r.fail("program", "a program's name or path is wanted");
+  r.path(profile_key, p.profile);
+  p.profile = anchored(p.profile, base);
+  r.number("time_limit_s", p.time_limit_s, {1, 86400});
+  r.number("memory_limit_mb", p.memory_limit_mb, {0, 1e6});
+}
+
+void read_slicer(Reader& r, SlicerConfig& s, const fs::path& base) {
+  r.choice("slicer", s.name, kSlicers);
+  r.section("prusa_slicer", [&](Reader& p) { read_program(p, s.prusa_slicer, base, "profile"); });
+  r.section("cura_engine", [&](Reader& p) {
+    read_program(p, s.cura_engine, base, "settings");
+    p.path("definition", s.cura_engine.definition);
+    s.cura_engine.definition = anchored(s.cura_engine.definition, base);
+  });
 }
 
 void read_printer(Reader& r, PrinterConfig& p, const fs::path& base) {
@@ -55,12 +77,37 @@ void read_printer(Reader& r, PrinterConfig& p, const fs::path& base) {
   r.flag("auto_clear", p.auto_clear);
   r.path("clock", p.clock);
   r.section("pins", [&](Reader& pins) { read_pins(pins, p.pins); });
+  r.path("slicer_profile", p.slicer_profile);
   if (p.name.empty()) r.fail("name", "every printer needs a name");
   if (p.profile.empty()) r.fail("profile", "which printer is it? Name a profile, such as generic-marlin");
   if (p.port.empty()) r.fail("port", "a serial port is wanted, such as /dev/serial/by-id/usb-...");
   for (fs::path& w : p.watch) w = anchored(w, base);
   p.clock = anchored(p.clock, base);
+  p.slicer_profile = anchored(p.slicer_profile, base);
   if (p.profile.find('/') != std::string::npos) p.profile = anchored(p.profile, base).string();
+}
+
+/// What the slicer is to be given must be there, for every printer.
+void check_slicer(const DaemonConfig& c) {
+  const ProgramConfig* program = c.slicer.program();
+  if (program == nullptr) return;
+  const bool prusa = c.slicer.name == kPrusaSlicer;
+  const auto wanted = [&](const fs::path& file, const std::string& key, const std::string& what) {
+    std::error_code ec;
+    if (file.empty()) throw ConfigError(c.file.string() + ": " + key + ": " + what);
+    if (!fs::is_regular_file(file, ec))
+      throw ConfigError(c.file.string() + ": " + key + ": there is no file " + file.string());
+  };
+  if (!prusa)
+    wanted(program->definition, "cura_engine.definition",
+           "name the machine's definition, such as fdmprinter.def.json");
+  for (const PrinterConfig& p : c.printers) {
+    const fs::path& profile = p.slicer_profile.empty() ? program->profile : p.slicer_profile;
+    if (prusa)
+      wanted(profile, "prusa_slicer.profile", "name a configuration exported by PrusaSlicer, for " + p.name);
+    else if (!profile.empty())
+      wanted(profile, "cura_engine.settings", "");
+  }
 }
 
 void check_printers(const DaemonConfig& c) {
@@ -73,6 +120,7 @@ void check_printers(const DaemonConfig& c) {
   }
   check_folders(c);
   check_pins(c);
+  check_slicer(c);
 }
 
 /// The folder itself, whatever links lead to it; it need not exist yet.
@@ -135,7 +183,7 @@ DaemonConfig load_daemon(const fs::path& file) {
   c.state_dir = anchored(c.state_dir, base);
   r.section("web", [&](Reader& w) { w.text("listen", c.listen); });
   r.section("orient", [&](Reader& o) { read_orient(o, c.orient); });
-  r.choice("slicer", c.slicer, {{"builtin", std::string("builtin")}});
+  read_slicer(r, c.slicer, base);
   r.number("settle_s", c.settle_s, {0, 3600});
   r.each("printers", [&](Reader& p) {
     PrinterConfig printer;
@@ -159,6 +207,7 @@ JobOverrides load_overrides(const fs::path& file) {
   bool as_delivered = false;
   r.flag("as_delivered", as_delivered);
   if (as_delivered) o.method = "as-delivered";
+  r.choice("slicer", o.slicer, kSlicers);
   r.text("material", o.material);
   r.text("quality", o.quality);
   if (r.has("scale")) r.number("scale", o.scale.emplace(), {1e-6, 1e6});

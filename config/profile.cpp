@@ -7,6 +7,9 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include <algorithm>
+#include <cstdlib>
+
 namespace voidpath::config {
 
 namespace fs = std::filesystem;
@@ -15,6 +18,10 @@ namespace {
 
 /// A profile that names itself as its base, directly or not, is caught by this depth.
 constexpr int kMaxBases = 8;
+
+/// Laid over a printer's profile that is not complete by itself, when none is named.
+constexpr const char* kDefaultMaterial = "pla";
+constexpr const char* kDefaultQuality = "0.20mm";
 
 const char* const kFolders[] = {"printers", "materials", "qualities"};
 
@@ -48,9 +55,21 @@ void lay_over(Profile& profile, const std::string& kind, const fs::path& file, i
   std::string description;
   reader.text("base", base);
   reader.text("description", description);
+  bool complete = false;
+  reader.flag("complete", complete);
   if (!base.empty()) lay_over(profile, kind, find_profile(kind, base), depth + 1);
   visit_profile(reader, profile);
   reader.finish();
+}
+
+/// Whether the printer's profile names material and quality settings of its own, so that none is laid over it
+/// unasked.
+bool is_complete(const fs::path& file) {
+  const Tree tree = read_yaml_file(file);
+  for (const Tree::Entry& e : tree.map)
+    if (e.key == "complete")
+      return e.value.scalar == "true" || e.value.scalar == "yes" || e.value.scalar == "on";
+  return false;
 }
 
 void apply_set(Profile& profile, const std::string& key, const std::string& value) {
@@ -154,12 +173,14 @@ std::vector<ProfileEntry> list_profiles() {
 Profile load_profile(const std::string& printer, const std::string& material, const std::string& quality,
                      const std::vector<std::pair<std::string, std::string>>& set) {
   Profile p;
+  const fs::path machine = find_profile("printers", printer);
+  const bool complete = is_complete(machine);
   p.printer = printer;
-  p.material = material;
-  p.quality = quality;
-  lay_over(p, "printers", find_profile("printers", printer), 0);
-  lay_over(p, "materials", find_profile("materials", material), 0);
-  lay_over(p, "qualities", find_profile("qualities", quality), 0);
+  p.material = material.empty() && !complete ? kDefaultMaterial : material;
+  p.quality = quality.empty() && !complete ? kDefaultQuality : quality;
+  lay_over(p, "printers", machine, 0);
+  if (!p.material.empty()) lay_over(p, "materials", find_profile("materials", p.material), 0);
+  if (!p.quality.empty()) lay_over(p, "qualities", find_profile("qualities", p.quality), 0);
   for (const auto& [key, value] : set) apply_set(p, key, value);
   derive(p);
   check(p);
@@ -168,7 +189,7 @@ Profile load_profile(const std::string& printer, const std::string& material, co
 }
 
 Profile load_profile(const std::string& spec, const std::vector<std::pair<std::string, std::string>>& set) {
-  std::vector<std::string> part = {"", "pla", "0.20mm"};
+  std::vector<std::string> part(3);
   std::size_t begin = 0;
   for (std::size_t i = 0; begin <= spec.size(); ++i) {
     const std::size_t comma = std::min(spec.find(',', begin), spec.size());

@@ -84,6 +84,8 @@ ClientFlags parse_client(const std::string& command, const std::vector<std::stri
       flags.as_delivered = true;
     else if (arg == "--method" && command == "add")
       flags.method = option(arg, value(), daemon::read_method);
+    else if (arg == "--slicer" && command == "add")
+      flags.slicer = option(arg, value(), daemon::read_slicer);
     else if (arg == "--copies" && command == "add")
       flags.copies = option(arg, value(), daemon::read_copies);
     else if (arg == "--scale" && command == "add")
@@ -129,6 +131,7 @@ Json DaemonClient::upload(const std::string& file, const ClientFlags& flags) con
   std::string path = "/api/v1/files?name=" + url_escape(std::filesystem::path(file).filename().string());
   const std::string method = flags.as_delivered ? "as-delivered" : flags.method;
   if (!method.empty()) path += "&method=" + url_escape(method);
+  if (!flags.slicer.empty()) path += "&slicer=" + url_escape(flags.slicer);
   if (flags.copies > 0) path += "&copies=" + std::to_string(flags.copies);
   if (flags.scale > 0) path += "&scale=" + daemon::number_text(flags.scale);
   if (!flags.printer.empty()) path += "&printer=" + url_escape(flags.printer);

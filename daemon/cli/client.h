@@ -38,6 +38,7 @@ struct ClientFlags {
   bool follow = false;
   bool as_delivered = false;
   std::string method;
+  std::string slicer;
   int copies = 0;
   double scale = 0;
   std::vector<std::string> rest;

@@ -15,11 +15,11 @@ Without daemon or printer:
   orient MODEL               choose the orientation        slice MODEL -o OUT.gcode   make G-code
   estimate FILE.gcode        time G-code                   check MODEL                can it be printed
   evaluate DIR --out DIR     compare methods               weights DIR --out FILE     find the weights
-  profile list|show          profiles
+  profile list|show|import   profiles; import reads PrusaSlicer's
 
 With the daemon (--config FILE or --host HOST:PORT say where it is; --printer NAME where there are several):
   status [--json]            what goes on                  queue                      what is to be printed
-  add FILE... [--as-delivered] [--method M] [--copies N] [--scale F]
+  add FILE... [--as-delivered] [--method M] [--copies N] [--scale F] [--slicer NAME]
   remove JOB                 take out of the queue         move JOB POS               1 is next
   pause, resume              the running print             cancel [JOB]               end it, heaters off
   stop                       emergency stop                bed-clear                  the bed is empty: go on

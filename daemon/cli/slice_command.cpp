@@ -1,5 +1,6 @@
 #include "daemon/cli/flags.h"
 #include "daemon/cli/offline.h"
+#include "daemon/slicer/foreign.h"
 
 #include <chrono>
 #include <cstdio>
@@ -9,12 +10,24 @@
 
 namespace voidpath::cli {
 
+namespace {
+
+/// As a job of the first printer would get it.
+std::filesystem::path own_profile(const config::DaemonConfig& config, const std::string& slicer,
+                                  const std::string& given) {
+  if (!given.empty()) return given;
+  return config.printers.empty() || slicer != config.slicer.name ? std::filesystem::path()
+                                                                 : config.printers.front().slicer_profile;
+}
+
+}  // namespace
+
 int slice_command(const std::vector<std::string>& args) {
   CLI::App app("Slices a model to G-code, turned to the orientation that prints fastest", "slice");
   CommonFlags common;
   OrientFlags orient;
   std::string model, out, direction;
-  std::string slicer;
+  std::string slicer, slicer_profile;
   bool as_delivered = false;
   app.add_option("model", model, "STL, OBJ or 3MF")->required();
   app.add_option("-o,--out", out, "the G-code file to write")->required();
@@ -22,7 +35,10 @@ int slice_command(const std::vector<std::string>& args) {
   add_orient(app, orient);
   auto* keep = app.add_flag("--as-delivered", as_delivered, "does not turn the part");
   app.add_option("--direction", direction, "x,y,z: the model-space vector that becomes up")->excludes(keep);
-  app.add_option("--slicer", slicer, "builtin")->check(CLI::IsMember({"builtin"}));
+  app.add_option("--slicer", slicer, "builtin, or an installed one: prusa-slicer, cura-engine")
+      ->check(CLI::IsMember({config::kBuiltinSlicer, config::kPrusaSlicer, config::kCuraEngine}));
+  app.add_option("--slicer-profile", slicer_profile,
+                 "that slicer's own profile: an exported .ini; for Cura, settings");
   if (!parse(app, args)) return 0;
 
   Settings s = settings_from(common, orient);
@@ -34,6 +50,9 @@ int slice_command(const std::vector<std::string>& args) {
       throw UsageError("--direction " + direction + ": it has no length");
     s.options.direction->normalize();
   }
+  const std::string used = slicer.empty() ? s.daemon.slicer.name : slicer;
+  s.options.slicer =
+      daemon::foreign_slicer(s.daemon.slicer, used, own_profile(s.daemon, used, slicer_profile));
   const auto begin = std::chrono::steady_clock::now();
   const auto p = pipeline::prepare(model, out, s.options, false, console_context(common.threads));
   const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -49,12 +68,13 @@ int slice_command(const std::vector<std::string>& args) {
                                       {"extruded_mm3", p.stats.extruded_mm3},
                                       {"travel_mm", p.stats.travel_mm},
                                       {"retractions", p.stats.retractions},
-                                      {"slicer", "builtin"},
+                                      {"slicer", used},
                                       {"elapsed_s", elapsed}};
     std::cout << j.dump(2) << '\n';
     return 0;
   }
   for (const std::string& note : p.model.notes) std::fprintf(stderr, "%s: %s\n", model.c_str(), note.c_str());
+  for (const std::string& message : p.slicer_messages) std::fprintf(stderr, "%s\n", message.c_str());
   for (const std::string& fix : p.model.repairs.sentences())
     std::fprintf(stderr, "%s: %s\n", model.c_str(), fix.c_str());
   std::printf(

@@ -99,12 +99,14 @@ std::string to_text(const JobOptions& options) {
   if (!options.method.empty()) json.set("method", options.method);
   if (options.scale > 0) json.set("scale", options.scale);
   if (options.copies > 0) json.set("copies", options.copies);
+  if (!options.slicer.empty()) json.set("slicer", options.slicer);
   return json.dump();
 }
 
 JobOptions options_from(const std::string& text) {
   const Json json = Json::parse(text);
-  return {json["method"].text(), json["scale"].number(), static_cast<int>(json["copies"].integer())};
+  return {json["method"].text(), json["scale"].number(), static_cast<int>(json["copies"].integer()),
+          json["slicer"].text()};
 }
 
 std::string to_text(const std::vector<double>& numbers) {

@@ -65,6 +65,7 @@ struct JobOptions {
   std::string method;
   double scale = 0;  ///< 0: not given
   int copies = 0;    ///< 0: not given
+  std::string slicer = {};
 };
 
 /// What preparing found out.

@@ -1,5 +1,6 @@
 #include "daemon/jobs/job_options.h"
 
+#include "config/config.h"
 #include "engine/orient/search.h"
 
 #include <charconv>
@@ -24,6 +25,12 @@ std::string read_method(const std::string& text) {
   if (!orient::method_from(text)) {
     throw std::invalid_argument("method \"" + text + "\" is none of toolpath, thesis, ahsan, as-delivered");
   }
+  return text;
+}
+
+std::string read_slicer(const std::string& text) {
+  if (text != config::kBuiltinSlicer && text != config::kPrusaSlicer && text != config::kCuraEngine)
+    throw std::invalid_argument("slicer \"" + text + "\" is none of builtin, prusa-slicer, cura-engine");
   return text;
 }
 

@@ -9,6 +9,7 @@ inline constexpr int kMaxCopies = 1000;  ///< as in the files beside models
 
 /// All throw std::invalid_argument with a sentence.
 std::string read_method(const std::string& text);
+std::string read_slicer(const std::string& text);
 int read_copies(const std::string& text);
 double read_scale(const std::string& text);
 

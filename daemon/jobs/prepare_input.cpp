@@ -3,6 +3,7 @@
 #include "daemon/jobs/filing.h"
 #include "daemon/jobs/prepare_worker.h"
 #include "daemon/jobs/printer_limits.h"
+#include "daemon/slicer/foreign.h"
 #include "engine/gcode/estimate.h"
 #include "engine/pipeline/prepare.h"
 
@@ -23,6 +24,7 @@ namespace fs = std::filesystem;
 /// Fields that the nearer file sets win; settings of both apply, the nearer ones last.
 void lay_over(config::JobOverrides& base, const config::JobOverrides& nearer) {
   if (!nearer.method.empty()) base.method = nearer.method;
+  if (!nearer.slicer.empty()) base.slicer = nearer.slicer;
   if (!nearer.material.empty()) base.material = nearer.material;
   if (!nearer.quality.empty()) base.quality = nearer.quality;
   if (nearer.scale) base.scale = nearer.scale;
@@ -52,6 +54,7 @@ config::JobOverrides overrides_for(const PrepareTask& task) {
   }
   if (const auto file = own_overrides(task); !file.empty()) lay_over(out, config::load_overrides(file));
   if (!task.options.method.empty()) out.method = task.options.method;
+  if (!task.options.slicer.empty()) out.slicer = task.options.slicer;
   if (task.options.scale > 0) out.scale = task.options.scale;
   if (task.options.copies > 0) out.copies = task.options.copies;
   return out;
@@ -99,8 +102,14 @@ void take_choice(JobFacts& facts, const orient::Choice& choice) {
   facts.criteria_as_delivered = choice.candidates.at(choice.as_delivered).criteria;
 }
 
+/// A printer's own profile is for the configured slicer, not for another one that a job asks for.
+fs::path slicer_profile(const PrepareTask& task, const std::string& named) {
+  return named.empty() || named == task.slicer.name ? task.printer.slicer_profile : fs::path();
+}
+
 void prepare_model(const PrepareTask& task, const config::JobOverrides& overrides,
-                   const config::Profile& profile, const run::Context& ctx, JobFacts& facts) {
+                   const config::Profile& profile, const run::Context& ctx, PrepareResult& result) {
+  JobFacts& facts = result.facts;
   pipeline::PrepareOptions options;
   options.import.scale = overrides.scale.value_or(1.0);
   options.orient = config::search_options(task.orient, profile);
@@ -118,6 +127,9 @@ void prepare_model(const PrepareTask& task, const config::JobOverrides& override
   };
   options.print = profile.print;
   options.limits = profile.limits;
+  const auto own_profile = slicer_profile(task, overrides.slicer);
+  options.slicer = foreign_slicer(task.slicer, overrides.slicer, own_profile);
+  facts.profile_sha256 = slicing_sha256(task.slicer, overrides.slicer, own_profile, profile.sha256);
   const auto prepared = pipeline::prepare(task.input, task.gcode_out, options, true, ctx);
   take_choice(facts, prepared.choice);
   take_estimate(facts, prepared.estimate);
@@ -127,6 +139,8 @@ void prepare_model(const PrepareTask& task, const config::JobOverrides& override
   }
   if (facts.filament_mm <= 0) facts.filament_mm = prepared.stats.filament_mm;
   facts.notes.insert(facts.notes.end(), prepared.model.notes.begin(), prepared.model.notes.end());
+  facts.notes.insert(facts.notes.end(), prepared.slicer_messages.begin(), prepared.slicer_messages.end());
+  result.slicer_messages = prepared.slicer_messages;
 }
 
 PrepareResult run_task(const PrepareTask& task, const run::Context& ctx) {
@@ -154,7 +168,7 @@ PrepareResult run_task(const PrepareTask& task, const run::Context& ctx) {
   } else {
     auto with_line = profile;
     with_line.limits.baud = task.printer.baud;
-    prepare_model(task, overrides, with_line, ctx, facts);
+    prepare_model(task, overrides, with_line, ctx, result);
   }
   sync_to_disk(task.gcode_out);
   result.kind = PrepareResult::Kind::prepared;

@@ -12,6 +12,7 @@
 #include <stop_token>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace voidpath::daemon {
 
@@ -27,6 +28,7 @@ struct PrepareTask {
   /// As the printer told at its last connection; nothing: the profile's word counts.
   std::optional<fw::FirmwareLimits> firmware;
   config::OrientConfig orient;
+  config::SlicerConfig slicer;
 };
 
 struct PrepareResult {
@@ -39,6 +41,7 @@ struct PrepareResult {
   std::string message;
   JobFacts facts;
   int copies = 1;
+  std::vector<std::string> slicer_messages;  ///< of a slicer that is not ours, for the events
 };
 
 using PrepareFunction = std::function<PrepareResult(const PrepareTask&, const run::Context&)>;

@@ -123,6 +123,8 @@ void Runner::on_prepared(JobId id, PrepareResult result) {
   if (found == jobs_.end() || found->second.state != State::preparing) return;  // cancelled meanwhile
   // An edit may be repeated later, when this call is long over: it owns what it needs.
   const auto prepared = std::make_shared<const PrepareResult>(std::move(result));
+  for (const auto& message : prepared->slicer_messages)
+    s_.log.info("slicer", {{"job", std::to_string(id)}, {"text", message}});
   switch (prepared->kind) {
     case PrepareResult::Kind::prepared:
       happen(id, Event::prepared, [this, prepared](Job& job) {

@@ -66,6 +66,7 @@ void Runner::schedule_prepare() {
   task.printer = find_printer(next->printer)->config();
   task.firmware = find_printer(next->printer)->limits();
   task.orient = config_.orient;
+  task.slicer = config_.slicer;
   decide(task.job, Event::prepare_begun, [](Job& job) { job.message.clear(); });
   const auto found = jobs_.find(task.job);
   if (found == jobs_.end() || found->second.state != State::preparing) return;

@@ -64,6 +64,7 @@ bool switch_in(const Json& body) {
 JobOptions options_in(const HttpRequest& request) {
   JobOptions out;
   if (const auto method = request.query_or("method"); !method.empty()) out.method = read_method(method);
+  if (const auto slicer = request.query_or("slicer"); !slicer.empty()) out.slicer = read_slicer(slicer);
   if (const auto copies = request.query_or("copies"); !copies.empty()) out.copies = read_copies(copies);
   if (const auto scale = request.query_or("scale"); !scale.empty()) out.scale = read_scale(scale);
   return out;

@@ -56,20 +56,25 @@ Prepared prepare(const fs::path& model, const fs::path& gcode_out, const Prepare
   SlicedPart part = slice_part_to(p.model.mesh, chosen, held(options, chosen), gcode_out, ctx);
   p.stats = part.stats;
   p.estimate = std::move(part.estimate);
+  p.slicer_messages = std::move(part.messages);
   chosen.predicted_s = p.estimate.predicted_s;
 
   auto& delivered = p.choice.candidates[p.choice.as_delivered];
   if (!compare || p.choice.as_delivered == p.choice.chosen) return p;
+  const fs::path scratch = gcode_out.string() + ".as-delivered";
   try {
-    const fs::path scratch = gcode_out.string() + ".as-delivered";
     p.as_delivered =
         slice_part_to(p.model.mesh, delivered.direction, held(options, delivered), scratch, ctx).estimate;
-    std::error_code ec;
-    fs::remove(scratch, ec);
     delivered.predicted_s = p.as_delivered->predicted_s;
   } catch (const Refused&) {
     // As delivered it does not fit: there is nothing to compare with.
+  } catch (const std::runtime_error& e) {
+    // A foreign slicer has its own mind about what it can slice; the print itself is ready.
+    if (!options.slicer) throw;
+    p.slicer_messages.push_back(std::string("as delivered, for comparison: ") + e.what());
   }
+  std::error_code ec;
+  fs::remove(scratch, ec);
   return p;
 }
 

@@ -8,13 +8,28 @@
 #include "engine/toolpath/emit.h"
 #include "engine/toolpath/settings.h"
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 /// The one front door from a model file to something a printer can run.
 namespace voidpath::pipeline {
+
+/// A part in its place, for a slicer that is not ours.
+struct PlacedPart {
+  mesh::TriangleMesh mesh;  ///< turned; lowest point at z = 0, bounding box centred on x = y = 0
+  std::array<double, 2> centre_mm = {0, 0};  ///< where x = y = 0 of the mesh lies on the plate
+  toolpath::PrintSettings print;             ///< what ours would be sliced with
+  double holding_brim_mm = 0;  ///< the part does not stand by itself without a brim of this width
+};
+
+/// Makes G-code of the part in a file; returns what the slicer had to say, a line each. Throws
+/// std::runtime_error with a sentence for the user; run::Stopped.
+using ForeignSlicer = std::function<std::vector<std::string>(
+    const PlacedPart& part, const std::filesystem::path& gcode, const run::Context& ctx)>;
 
 struct PrepareOptions {
   mesh::ImportOptions import;
@@ -30,6 +45,10 @@ struct PrepareOptions {
   /// How many candidates may be timed beyond the baselines. With it and without a clock the result is the
   /// same on every machine.
   std::optional<std::size_t> max_extra;
+  /// Writes what is printed in place of our own slicer, which still times the candidates.
+  ForeignSlicer slicer;
+  /// Set by held() for a part that does not stand by itself.
+  double holding_brim_mm = 0;
 };
 
 struct Prepared {
@@ -39,10 +58,12 @@ struct Prepared {
   gcode::Estimate estimate;
   /// The same part as delivered, sliced and timed alike; absent when that cannot be printed or was chosen.
   std::optional<gcode::Estimate> as_delivered;
+  std::vector<std::string> slicer_messages;  ///< of a foreign slicer
 };
 
 /// Imports, orients, slices and times `model`, and writes the G-code to `gcode_out` (to a temporary beside
 /// it, renamed when complete). With `compare`, the part is also sliced as delivered, to tell the saving.
+/// A foreign slicer's G-code is taken only if it prints the part in its place and within the machine.
 /// Throws mesh::ImportError, orient::NothingFits, Refused, std::runtime_error, run::Stopped; then nothing
 /// is left at gcode_out.
 Prepared prepare(const std::filesystem::path& model, const std::filesystem::path& gcode_out,

@@ -3,6 +3,7 @@
 #include "engine/gcode/progress.h"
 #include "engine/orient/feasible.h"
 #include "engine/orient/words.h"
+#include "engine/pipeline/foreign.h"
 #include "engine/render/thumbnail.h"
 #include "engine/slice/adaptive_layers.h"
 #include "engine/slice/layer_heights.h"
@@ -137,10 +138,13 @@ class AtomicFile {
 
   std::ostream& stream() { return out_; }
   const fs::path& path() const { return part_; }
-  /// On disk, not just handed to the kernel.
   void close() {
     out_.close();
     if (!out_) throw failure("writing failed");
+    sync();
+  }
+  /// On disk, not just handed to the kernel.
+  void sync() const {
     const int fd = ::open(part_.c_str(), O_RDONLY | O_CLOEXEC);
     const bool safe = fd >= 0 && ::fsync(fd) == 0;
     const std::runtime_error error = failure("writing failed");
@@ -170,7 +174,7 @@ class AtomicFile {
 PrepareOptions held(const PrepareOptions& options, const orient::Candidate& candidate) {
   PrepareOptions out = options;
   auto& brim = out.print.slice.brim_width_mm;
-  if (!candidate.printable) brim = std::max(brim, kHoldingBrim_mm);
+  if (!candidate.printable) brim = out.holding_brim_mm = std::max(brim, kHoldingBrim_mm);
   return out;
 }
 
@@ -183,6 +187,17 @@ CutPart cut_part(const mesh::TriangleMesh& mesh, const Pose& pose, const Prepare
   out.mesh = std::move(placed.mesh);
   out.print = std::move(placed.print);
   return out;
+}
+
+PlacedPart placed_part(const mesh::TriangleMesh& mesh, const Pose& pose, const PrepareOptions& options) {
+  Placed placed = place(mesh, pose, options);
+  PlacedPart part;
+  part.mesh = std::move(placed.mesh);
+  part.print = std::move(placed.print);
+  const auto& machine = part.print.machine;
+  if (!machine.origin_at_centre) part.centre_mm = {machine.bed_mm[0] / 2, machine.bed_mm[1] / 2};
+  part.holding_brim_mm = options.holding_brim_mm;
+  return part;
 }
 
 toolpath::EmitStats slice_part(const mesh::TriangleMesh& mesh, const Pose& pose,
@@ -203,6 +218,16 @@ SlicedPart slice_part_to(const mesh::TriangleMesh& mesh, const Pose& pose, const
                          const fs::path& file, const run::Context& ctx) {
   SlicedPart part;
   AtomicFile out(file);
+  if (options.slicer) {
+    const PlacedPart placed = placed_part(mesh, pose, options);
+    part.messages = options.slicer(placed, out.path(), ctx);
+    out.sync();
+    part.estimate = gcode::estimate_file(out.path(), options.limits, ctx);
+    check_foreign(out.path(), placed, part.estimate);
+    part.stats = foreign_stats(part.estimate, options.print);
+    out.commit();
+    return part;
+  }
   if (options.print.machine.progress) {
     std::stringstream text;
     part.stats = slice_part(mesh, pose, options, text, ctx, true);

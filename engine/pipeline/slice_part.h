@@ -31,10 +31,14 @@ CutPart cut_part(const mesh::TriangleMesh& mesh, const Pose& pose, const Prepare
 struct SlicedPart {
   toolpath::EmitStats stats;
   gcode::Estimate estimate;
+  std::vector<std::string> messages;  ///< of a foreign slicer
 };
 
 /// The options with a brim for a candidate that does not stand by itself.
 PrepareOptions held(const PrepareOptions& options, const orient::Candidate& candidate);
+
+/// Turned and placed as slice_part() does it. Throws Refused.
+PlacedPart placed_part(const mesh::TriangleMesh& mesh, const Pose& pose, const PrepareOptions& options);
 
 /// The part in that pose sliced into `out`.
 /// The skirt is left off where only the part itself fits. Throws Refused for anything larger and for a part
@@ -43,8 +47,8 @@ toolpath::EmitStats slice_part(const mesh::TriangleMesh& mesh, const Pose& pose,
                                const PrepareOptions& options, std::ostream& out, const run::Context& ctx,
                                bool pictures = false);
 
-/// The same into a file, written beside it and renamed into place once it is safe on disk, and timed.
-/// Throws std::runtime_error naming the file.
+/// The same into a file, by the foreign slicer where the options name one; written beside the file, renamed
+/// into place once it is safe on disk, and timed. Throws std::runtime_error naming the file.
 SlicedPart slice_part_to(const mesh::TriangleMesh& mesh, const Pose& pose, const PrepareOptions& options,
                          const std::filesystem::path& file, const run::Context& ctx);
 

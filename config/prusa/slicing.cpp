@@ -1,0 +1,224 @@
+#include "config/fields.h"
+#include "config/prusa/importer.h"
+#include "engine/toolpath/bead.h"
+
+#include <cmath>
+#include <map>
+
+/// Layers, widths, shells, infill, supports and speeds. Rules of PrusaSlicer 2.5's documentation of its
+/// settings.
+namespace voidpath::config {
+
+namespace {
+
+/// Automatic widths, in nozzle diameters.
+constexpr double kAutoWidth = 1.125;
+constexpr double kAutoWidthOfTopAndSupport = 1.0;
+/// Widths nearer than this are one.
+constexpr double kSameWidth_mm = 0.005;
+
+/// A width of 0 is the general one, and that, if 0, automatic; a share is of the layer's height.
+std::optional<double> width(PrusaImporter& in, const std::string& key, const PrusaLayers& layers,
+                            std::optional<double> height, double automatic) {
+  auto amount = in.amount(key);
+  if (!amount || amount->value == 0) amount = in.amount("extrusion_width");
+  if (!amount) return std::nullopt;
+  if (amount->value == 0) return layers.nozzle ? std::optional(automatic * *layers.nozzle) : std::nullopt;
+  if (amount->percent && !height) return std::nullopt;
+  return amount->of(height.value_or(0));
+}
+
+/// PrusaSlicer adds layers until the thickness is reached; where our profiles know no thickness, the count
+/// does it.
+void put_skin(PrusaImporter& in, const std::string& side, std::optional<double> height) {
+  const auto layers = in.number(side + "_solid_layers");
+  const auto thickness = in.number(side + "_solid_min_thickness");
+  if (!layers) return;
+  if (in.put("slice." + side + "_thickness_mm", thickness) || !thickness || !height || *layers == 0) {
+    in.put("slice." + side + "_layers", layers);
+    return;
+  }
+  const double wanted = std::ceil(*thickness / *height - 1e-4);
+  in.put("slice." + side + "_layers", std::max(*layers, wanted));
+  if (wanted > *layers)
+    in.note(side + "_solid_min_thickness = " + millimetres(*thickness) + " takes " + number_text(wanted) +
+            " layers, more than " + number_text(*layers));
+}
+
+void put_pattern(PrusaImporter& in) {
+  const auto pattern = in.word("fill_pattern");
+  if (!pattern) return;
+  const std::map<std::string, std::string> same = {{"rectilinear", "rectilinear"},
+                                                   {"grid", "grid"},
+                                                   {"gyroid", "gyroid"},
+                                                   {"concentric", "concentric"},
+                                                   {"lightning", "lightning"}};
+  const std::map<std::string, std::string> near = {{"line", "rectilinear"},
+                                                   {"alignedrectilinear", "rectilinear"},
+                                                   {"monotonic", "rectilinear"},
+                                                   {"monotoniclines", "rectilinear"},
+                                                   {"zigzag", "rectilinear"},
+                                                   {"lightning", "rectilinear"},
+                                                   {"3dhoneycomb", "gyroid"},
+                                                   {"cubic", "grid"},
+                                                   {"adaptivecubic", "grid"},
+                                                   {"supportcubic", "grid"},
+                                                   {"stars", "grid"},
+                                                   {"triangles", "grid"},
+                                                   {"honeycomb", "grid"},
+                                                   {"hilbertcurve", "rectilinear"},
+                                                   {"archimedeanchords", "concentric"},
+                                                   {"octagramspiral", "concentric"}};
+  // Whether ours knows lightning is told by the range of the key, which is the reader's; gyroid came before
+  // it.
+  if (const auto found = same.find(*pattern); found != same.end() && *pattern != "lightning") {
+    in.put_yaml("slice.infill_pattern", found->second);
+    return;
+  }
+  const auto found = near.find(*pattern);
+  if (found == near.end()) {
+    in.leave_out("fill_pattern = " + *pattern);
+    return;
+  }
+  in.put_yaml("slice.infill_pattern", found->second);
+  in.approximated("fill_pattern = " + *pattern + ": printed as " + found->second);
+}
+
+void put_seam(PrusaImporter& in) {
+  const auto seam = in.word("seam_position");
+  if (!seam) return;
+  const bool same = *seam == "nearest" || *seam == "aligned" || *seam == "rear";
+  in.put_yaml("slice.seam", same ? *seam : "nearest");
+  if (!same) in.approximated("seam_position = " + *seam + ": seams go to the nearest corner");
+}
+
+void put_adhesion(PrusaImporter& in) {
+  in.put("slice.skirt_loops", in.number("skirts"));
+  in.put("slice.skirt_gap_mm", in.number("skirt_distance"));
+  in.put("slice.skirt_layers", in.number("skirt_height"));
+  const auto type = in.word("brim_type");
+  const auto brim = in.number("brim_width");
+  if (!brim) return;
+  in.put("slice.brim_width_mm", type && *type == "no_brim" ? 0.0 : *brim);
+  if (*brim > 0 && type && *type != "no_brim" && *type != "outer_only")
+    in.approximated("brim_type = " + *type + ": the brim lies outside only");
+}
+
+}  // namespace
+
+PrusaLayers import_layers(PrusaImporter& in) {
+  PrusaLayers l;
+  l.height = in.number("layer_height");
+  l.first = in.part_of("first_layer_height", l.height);
+  l.nozzle = in.number("nozzle_diameter");
+  in.put("slice.layer_height_mm", l.height);
+  in.put("slice.first_layer_height_mm", l.first);
+  in.put("machine.nozzle_mm", l.nozzle);
+  l.width = width(in, "perimeter_extrusion_width", l, l.height, kAutoWidth);
+  in.put("slice.line_width_mm", l.width);
+  const auto first = in.amount("first_layer_extrusion_width");
+  if (first && first->value > 0)
+    in.put("slice.first_layer_line_width_mm", in.part_of("first_layer_extrusion_width", l.first));
+  else
+    in.put("slice.first_layer_line_width_mm", width(in, "perimeter_extrusion_width", l, l.first, kAutoWidth));
+  const std::pair<const char*, double> others[] = {
+      {"external_perimeter_extrusion_width", kAutoWidth},
+      {"infill_extrusion_width", kAutoWidth},
+      {"solid_infill_extrusion_width", kAutoWidth},
+      {"top_infill_extrusion_width", kAutoWidthOfTopAndSupport},
+      {"support_material_extrusion_width", kAutoWidthOfTopAndSupport}};
+  for (const auto& [key, automatic] : others) {
+    const auto theirs = width(in, key, l, l.height, automatic);
+    if (theirs && l.width && std::abs(*theirs - *l.width) > kSameWidth_mm)
+      in.approximated(std::string(key) + ": " + millimetres(*theirs) + " there; every line is " +
+                      millimetres(*l.width) + " wide here, as its perimeters are");
+  }
+  return l;
+}
+
+void import_shells(PrusaImporter& in, const PrusaLayers& layers) {
+  in.put("slice.perimeters", in.number("perimeters"));
+  put_skin(in, "top", layers.height);
+  put_skin(in, "bottom", layers.height);
+  in.put("slice.infill_density", in.part_of("fill_density", 1.0));
+  put_pattern(in);
+  in.put("slice.infill_angle_deg", in.number("fill_angle"));
+  if (const auto overlap = in.amount("infill_overlap"); overlap && (overlap->percent || layers.width))
+    in.put("slice.infill_overlap", overlap->percent ? overlap->value / 100 : overlap->value / *layers.width);
+  in.put_flag("slice.external_perimeters_first", in.flag("external_perimeters_first"));
+  put_seam(in);
+  put_adhesion(in);
+  in.put("slice.elephant_foot_mm", in.number("elefant_foot_compensation"));
+  in.put("slice.resolution_mm", in.number("gcode_resolution"));
+  in.put("slice.min_infill_area_mm2", in.number("solid_infill_below_area"));
+  if (in.known("slice.infill_every_layers"))
+    in.put("slice.infill_every_layers", in.number("infill_every_layers"));
+}
+
+void import_supports(PrusaImporter& in, const PrusaLayers& layers) {
+  const auto on = in.flag("support_material");
+  const auto automatic = in.flag("support_material_auto");
+  const auto plate = in.flag("support_material_buildplate_only");
+  if (on) {
+    const bool by_itself = *on && automatic.value_or(true);
+    in.put_yaml("slice.support", !by_itself ? "none" : plate.value_or(false) ? "plate" : "everywhere");
+    if (*on && !by_itself)
+      in.approximated(
+          "support_material_auto = 0: enforced areas are not in the configuration, so nothing is supported");
+  }
+  if (const auto threshold = in.number("support_material_threshold")) {
+    // Counted from the horizontal there. 0 is automatic: a wall's bead that hangs over air by half of it.
+    if (*threshold > 0) {
+      in.put("slice.support_angle_deg", 90 - *threshold);
+    } else if (layers.height && layers.width) {
+      const double angle = std::atan2(*layers.width / 2, *layers.height) * 180 / 3.14159265358979;
+      in.put("slice.support_angle_deg", std::round(angle));
+      in.approximated("support_material_threshold = 0 (automatic): supported is what leans out more than " +
+                      number_text(std::round(angle)) +
+                      " degrees from the vertical, half a line's width a layer");
+    }
+  }
+  if (const auto spacing = in.number("support_material_spacing"); spacing && layers.height && layers.width) {
+    const double line = toolpath::bead_spacing_mm(*layers.width, *layers.height);
+    in.put("slice.support_density", std::min(1.0, line / (*spacing + line)));
+  }
+  in.put("slice.support_xy_gap_mm", in.part_of("support_material_xy_spacing", layers.width));
+  in.put("slice.support_z_gap_mm", in.number("support_material_contact_distance"));
+  in.put("slice.support_interface_layers", in.number("support_material_interface_layers"));
+}
+
+void import_speeds(PrusaImporter& in) {
+  const auto most = in.number("max_print_speed");
+  const auto speed = [&](const std::string& key, std::optional<double> whole) {
+    const auto value = in.part_of(key, whole);
+    if (!value || *value > 0) return value;
+    if (most) in.approximated(key + " = 0 (automatic): max_print_speed, " + number_text(*most) + " mm/s");
+    return most;
+  };
+  const auto perimeter = speed("perimeter_speed", std::nullopt);
+  const auto infill = speed("infill_speed", std::nullopt);
+  const auto solid = speed("solid_infill_speed", infill);
+  in.put("speed.perimeter_mm_s", perimeter);
+  in.put("speed.external_perimeter_mm_s", speed("external_perimeter_speed", perimeter));
+  in.put("speed.infill_mm_s", infill);
+  in.put("speed.solid_infill_mm_s", solid);
+  in.put("speed.top_solid_infill_mm_s", speed("top_solid_infill_speed", solid));
+  in.put("speed.support_mm_s", speed("support_material_speed", std::nullopt));
+  in.put("speed.bridge_mm_s", speed("bridge_speed", std::nullopt));
+  in.put("speed.gap_fill_mm_s", speed("gap_fill_speed", perimeter));
+  in.put("speed.travel_mm_s", in.number("travel_speed"));
+  if (in.known("speed.small_perimeter_mm_s"))
+    in.put("speed.small_perimeter_mm_s", speed("small_perimeter_speed", perimeter));
+  if (const auto first = in.amount("first_layer_speed")) {
+    in.put("speed.first_layer_mm_s", in.part_of("first_layer_speed", perimeter));
+    if (first->percent)
+      in.approximated("first_layer_speed = " + number_text(first->value) +
+                      " %: of each line's own speed there; of the perimeters' here");
+  }
+  const auto print = in.number("default_acceleration");
+  in.put("acceleration.print_mm_s2", print);
+  in.put("acceleration.first_layer_mm_s2", in.number("first_layer_acceleration"));
+  in.put("acceleration.travel_mm_s2", in.number("travel_acceleration"));
+}
+
+}  // namespace voidpath::config
