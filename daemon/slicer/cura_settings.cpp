@@ -257,6 +257,18 @@ CuraSettings cura_start_and_end(const toolpath::PrintSettings& print, const Cura
           {"material_bed_temp_prepend", "false"}};
 }
 
+std::vector<std::string> cura_arguments(const CuraSettings& settings) {
+  std::vector<std::string> out;
+  for (const bool extruder : {false, true}) {
+    if (extruder) out.emplace_back("-e0");
+    for (const auto& [key, value] : settings) {
+      out.emplace_back("-s");
+      out.push_back(key + "=" + value);
+    }
+  }
+  return out;
+}
+
 CuraSettings read_cura_settings(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   if (!in) throw config::ConfigError(file.string() + ": cannot be read");

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <vector>
 
 /// CuraEngine's settings. It takes the `default_value` of each from a definition and computes none of the
 /// formulas Cura itself computes, so every one that matters is named.
@@ -22,6 +23,10 @@ CuraSettings cura_settings(const toolpath::PrintSettings& print);
 /// unknown placeholder.
 CuraSettings cura_start_and_end(const toolpath::PrintSettings& print, const CuraSettings& settings,
                                 const mesh::Bounds& placed);
+
+/// The settings as arguments of CuraEngine: once for everything, and once for the extruder, whose own definition
+/// stands nearer to the print.
+std::vector<std::string> cura_arguments(const CuraSettings& settings);
 
 /// Lines of `key = value`; sections in brackets, empty lines and those beginning with # or ; are passed over,
 /// but for a profile of Cura's (with a section [values]), of which only that section counts. An indented line

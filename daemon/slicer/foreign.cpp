@@ -138,14 +138,7 @@ std::vector<std::string> cura_args(const Slicer& slicer, const pipeline::PlacedP
   }
   std::vector<std::string> args = {slicer.program.string(),          "slice", "-j",
                                    slicer.given.definition.string(), "-o",    gcode.string()};
-  // Once for everything, and once for the extruder, whose own definition stands nearer to the print.
-  for (const char* scope : {"", "-e0"}) {
-    if (*scope != '\0') args.emplace_back(scope);
-    for (const auto& [key, value] : settings) {
-      args.emplace_back("-s");
-      args.push_back(key + "=" + value);
-    }
-  }
+  for (std::string& word : cura_arguments(settings)) args.push_back(std::move(word));
   args.emplace_back("-l");
   args.push_back(model.string());
   return args;

@@ -1,4 +1,5 @@
 #include "config/config.h"
+#include "daemon/slicer/cura_settings.h"
 #include "engine/mesh/import.h"
 #include "engine/mesh/write.h"
 #include "engine/pipeline/slice_part.h"
@@ -13,15 +14,17 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
-#include <optional>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
-/// Our slicer against PrusaSlicer: the same meshes as delivered, the same settings, both as programs of their
-/// own from file to file, both G-codes timed by our estimator.
-///   bench_slicer [--models DIR] [--only TEXT] [--profile SPEC] [--keep DIR] [--reuse]
-/// --keep: where models and G-code go, kept afterwards; --reuse: the rival's G-code and times found there
-/// are taken from its last run.
+/// Our slicer against PrusaSlicer and CuraEngine: the same meshes as delivered, the same settings, each a
+/// program of its own from file to file, every G-code timed by our estimator.
+///   bench_slicer [FILE...] [--models DIR] [--only TEXT] [--rival NAME] [--profile SPEC] [--set KEY=VALUE]
+///                [--cura-definition FILE] [--keep DIR] [--reuse]
+/// --keep: where models and G-code go, kept afterwards; --reuse: the rivals' G-code and times found there
+/// are taken from their last run.
 namespace {
 
 namespace fs = std::filesystem;
@@ -31,7 +34,11 @@ using namespace voidpath;
 constexpr double kLimitS = 600;
 
 struct Options {
+  std::vector<fs::path> files;
   fs::path models;
+  std::vector<std::string> rivals = {"prusa", "cura"};
+  fs::path cura_definition;
+  std::vector<std::pair<std::string, std::string>> set;
   std::string only;
   std::string profile = "generic-marlin,pla,0.20mm";
   fs::path keep;
@@ -49,18 +56,24 @@ struct Row {
   Run theirs;
 };
 
+std::string title(const std::string& rival) { return rival == "prusa" ? "PrusaSlicer" : "CuraEngine"; }
+
 class Bench {
  public:
   Bench(Options options, fs::path bin)
-      : options_(std::move(options)), bin_(std::move(bin)), profile_(config::load_profile(options_.profile)) {
+      : options_(std::move(options)),
+        bin_(std::move(bin)),
+        profile_(config::load_profile(options_.profile, options_.set)) {
     fs::create_directories(options_.keep);
     std::ofstream(options_.keep / "rival.ini") << bench::prusa_config(profile_.print);
   }
 
-  std::optional<Row> run(const fs::path& model) {
+  /// A row for each rival; none for what is no model or does not fit.
+  std::vector<Row> run(const fs::path& model) {
     Row row;
     row.name = model.stem().string();
     const fs::path base = options_.keep / row.name;
+    mesh::Bounds bounds;
     const fs::path stl = base.string() + ".stl";
     slice::LayerStack stack;
     double brim_mm = profile_.print.slice.brim_width_mm;
@@ -68,7 +81,8 @@ class Bench {
       mesh::TriangleMesh mesh = mesh::turned(mesh::import_model(model).mesh, geom::Vec3(0, 0, 1));
       const geom::Vec3 size = mesh::bounds(mesh).size();
       const auto& m = profile_.print.machine;
-      if (size.x() > m.bed_mm[0] || size.y() > m.bed_mm[1] || size.z() > m.height_mm) return std::nullopt;
+      if (size.x() > m.bed_mm[0] || size.y() > m.bed_mm[1] || size.z() > m.height_mm) return {};
+      bounds = mesh::bounds(mesh);
       mesh::write_model(mesh, stl);
       brim_mm = held_by(mesh);
       const auto& s = profile_.print.slice;
@@ -76,23 +90,21 @@ class Bench {
           slice::slice_mesh(mesh, slice::equal_layers(size.z(), s.first_layer_height_mm, s.layer_height_mm));
       toolpath::place_on_bed(stack, m);
     } catch (const mesh::ImportError&) {
-      return std::nullopt;
+      return {};
     }
-    row.ours = slice({(bin_ / "voidpath").string(), "slice", stl.string(), "-o",
-                      base.string() + ".ours.gcode", "--as-delivered", "--profile", options_.profile},
-                     base.string() + ".ours", stack, false);
-    const std::string theirs = base.string() + (brim_mm > 0 ? ".theirs.brim" : ".theirs");
-    std::vector<std::string> command{
-        "prusa-slicer",   "--export-gcode", "--load", (options_.keep / "rival.ini").string(),
-        "--dont-arrange", "--center",       centre(), "-o",
-        theirs + ".gcode"};
-    if (brim_mm > 0)
-      for (const std::string& word : {std::string("--brim-type"), std::string("outer_only"),
-                                      std::string("--brim-width"), std::to_string(brim_mm)})
-        command.push_back(word);
-    command.push_back(stl.string());
-    row.theirs = slice(command, theirs, stack, options_.reuse);
-    return row;
+    std::vector<std::string> ours = {
+        (bin_ / "voidpath").string(),  "slice",          stl.string(), "-o",
+        base.string() + ".ours.gcode", "--as-delivered", "--profile",  options_.profile};
+    for (const auto& [key, value] : options_.set) ours.insert(ours.end(), {"--set", key + "=" + value});
+    row.ours = slice(ours, base.string() + ".ours", stack, false);
+    std::vector<Row> rows;
+    for (const std::string& rival : options_.rivals) {
+      const std::string out = base.string() + "." + rival + (brim_mm > 0 ? ".brim" : "");
+      row.theirs = slice(rival == "prusa" ? prusa(stl, out, brim_mm) : cura(stl, out, bounds, brim_mm), out,
+                         stack, options_.reuse);
+      rows.push_back(row);
+    }
+    return rows;
   }
 
  private:
@@ -105,6 +117,38 @@ class Bench {
     options.orient.method = orient::Method::as_delivered;
     const orient::Choice choice = pipeline::choose(mesh, options, {});
     return pipeline::held(options, choice.candidates[choice.chosen]).print.slice.brim_width_mm;
+  }
+
+  std::vector<std::string> prusa(const fs::path& stl, const std::string& out, double brim_mm) const {
+    std::vector<std::string> command = {
+        "prusa-slicer",   "--export-gcode", "--load", (options_.keep / "rival.ini").string(),
+        "--dont-arrange", "--center",       centre(), "-o",
+        out + ".gcode"};
+    if (brim_mm > 0)
+      for (const std::string& word : {std::string("--brim-type"), std::string("outer_only"),
+                                      std::string("--brim-width"), std::to_string(brim_mm)})
+        command.push_back(word);
+    command.push_back(stl.string());
+    return command;
+  }
+
+  std::vector<std::string> cura(const fs::path& stl, const std::string& out, const mesh::Bounds& bounds,
+                                double brim_mm) const {
+    toolpath::PrintSettings print = profile_.print;
+    print.slice.brim_width_mm = brim_mm;
+    daemon::CuraSettings settings = daemon::cura_settings(print);
+    for (const auto& [key, value] : daemon::cura_start_and_end(print, settings, bounds))
+      settings[key] = value;
+    settings["center_object"] = "false";
+    const std::string folder = options_.cura_definition.parent_path().string();
+    std::vector<std::string> command = {
+        "env",        "CURA_ENGINE_SEARCH_PATH=" + folder + ":" + folder + "/../extruders",
+        "CuraEngine", "slice",
+        "-j",         options_.cura_definition.string(),
+        "-o",         out + ".gcode"};
+    for (std::string& word : daemon::cura_arguments(settings)) command.push_back(std::move(word));
+    command.insert(command.end(), {"-l", stl.string()});
+    return command;
   }
 
   std::string centre() const {
@@ -174,8 +218,9 @@ double median(std::vector<double> values) {
   return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
 }
 
-void summarise(const std::vector<Row>& rows) {
+void summarise(const std::string& rival, const std::vector<Row>& rows) {
   if (rows.empty()) return;
+  std::printf("ours : %s\n", title(rival).c_str());
   std::vector<Quotients> all;
   double ours = 0, theirs = 0, print_ours = 0, print_theirs = 0;
   for (const Row& row : rows) {
@@ -201,6 +246,7 @@ void summarise(const std::vector<Row>& rows) {
 
 Options parse(int argc, char** argv) {
   Options out;
+  if (const char* file = std::getenv("VOIDPATH_CURA_DEFINITION"); file != nullptr) out.cura_definition = file;
   const char* shared = std::getenv("VOIDPATH_SHARED");
   if (shared != nullptr) out.models = fs::path(shared) / "models";
   out.keep = fs::temp_directory_path() / "voidpath-bench-slicer";
@@ -209,7 +255,16 @@ Options parse(int argc, char** argv) {
     const bool has_value = i + 1 < argc;
     if (word == "--reuse")
       out.reuse = true;
-    else if (word == "--models" && has_value)
+    else if (!word.starts_with("--"))
+      out.files.emplace_back(word);
+    else if (word == "--rival" && has_value)
+      out.rivals = {argv[++i]};
+    else if (word == "--cura-definition" && has_value)
+      out.cura_definition = argv[++i];
+    else if (word == "--set" && has_value) {
+      const std::string pair = argv[++i];
+      out.set.emplace_back(pair.substr(0, pair.find('=')), pair.substr(pair.find('=') + 1));
+    } else if (word == "--models" && has_value)
       out.models = argv[++i];
     else if (word == "--only" && has_value)
       out.only = argv[++i];
@@ -220,6 +275,13 @@ Options parse(int argc, char** argv) {
     else
       throw std::invalid_argument(word + ": not understood");
   }
+  for (const std::string& rival : out.rivals)
+    if (rival != "prusa" && rival != "cura")
+      throw std::invalid_argument("--rival " + rival + ": prusa or cura");
+  if (out.cura_definition.empty()) {
+    std::fprintf(stderr, "no --cura-definition: without CuraEngine\n");
+    std::erase(out.rivals, "cura");
+  }
   return out;
 }
 
@@ -227,34 +289,38 @@ Options parse(int argc, char** argv) {
 
 int main(int argc, char** argv) try {
   const Options options = parse(argc, argv);
-  if (options.models.empty() || !fs::is_directory(options.models)) {
+  if (options.files.empty() && !fs::is_directory(options.models)) {
     std::fprintf(stderr, "no models: give --models DIR or set VOIDPATH_SHARED\n");
     return 2;
   }
-  std::vector<fs::path> models;
-  for (const auto& entry : fs::directory_iterator(options.models))
-    if (mesh::is_model_name(entry.path()) &&
-        entry.path().filename().string().find(options.only) != std::string::npos)
-      models.push_back(entry.path());
+  std::vector<fs::path> models = options.files;
+  if (models.empty())
+    for (const auto& entry : fs::directory_iterator(options.models))
+      if (mesh::is_model_name(entry.path()) &&
+          entry.path().filename().string().find(options.only) != std::string::npos)
+        models.push_back(entry.path());
   std::sort(models.begin(), models.end());
 
   Bench bench(options, fs::canonical("/proc/self/exe").parent_path());
   std::printf(
       "ours : theirs                        wall    cpu memory    time filament travel outside  retr.\n");
-  std::vector<Row> rows;
+  std::map<std::string, std::vector<Row>> rows;
   for (const fs::path& model : models) {
-    const std::optional<Row> row = bench.run(model);
-    if (!row) continue;
-    if (!row->ours.usage.ok || !row->theirs.usage.ok) {
-      std::printf("%-34.34s %s\n", row->name.c_str(),
-                  row->ours.usage.ok ? "PrusaSlicer failed" : "ours failed");
-      continue;
+    const std::vector<Row> found = bench.run(model);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const Row& row = found[i];
+      const std::string& rival = options.rivals[i];
+      if (!row.ours.usage.ok || !row.theirs.usage.ok) {
+        std::printf("%-34.34s %s failed\n", row.name.c_str(),
+                    row.ours.usage.ok ? title(rival).c_str() : "ours");
+        continue;
+      }
+      print_line(i == 0 ? row.name : "  beside " + title(rival), quotients(row), absolutes(row));
+      std::fflush(stdout);
+      rows[rival].push_back(row);
     }
-    print_line(row->name, quotients(*row), absolutes(*row));
-    std::fflush(stdout);
-    rows.push_back(*row);
   }
-  summarise(rows);
+  for (const std::string& rival : options.rivals) summarise(rival, rows[rival]);
   return 0;
 } catch (const std::exception& e) {
   std::fprintf(stderr, "bench_slicer: %s\n", e.what());
