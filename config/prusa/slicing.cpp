@@ -14,6 +14,8 @@ namespace {
 /// Automatic widths, in nozzle diameters.
 constexpr double kAutoWidth = 1.125;
 constexpr double kAutoWidthOfTopAndSupport = 1.0;
+/// A loop no longer than a circle of 6.5 mm radius is small there.
+constexpr double kSmallPerimeter_mm = 40.84;
 /// Widths nearer than this are one.
 constexpr double kSameWidth_mm = 0.005;
 
@@ -58,7 +60,6 @@ void put_pattern(PrusaImporter& in) {
                                                    {"monotonic", "rectilinear"},
                                                    {"monotoniclines", "rectilinear"},
                                                    {"zigzag", "rectilinear"},
-                                                   {"lightning", "rectilinear"},
                                                    {"3dhoneycomb", "gyroid"},
                                                    {"cubic", "grid"},
                                                    {"adaptivecubic", "grid"},
@@ -69,9 +70,8 @@ void put_pattern(PrusaImporter& in) {
                                                    {"hilbertcurve", "rectilinear"},
                                                    {"archimedeanchords", "concentric"},
                                                    {"octagramspiral", "concentric"}};
-  // Whether ours knows lightning is told by the range of the key, which is the reader's; gyroid came before
   // it.
-  if (const auto found = same.find(*pattern); found != same.end() && *pattern != "lightning") {
+  if (const auto found = same.find(*pattern); found != same.end()) {
     in.put_yaml("slice.infill_pattern", found->second);
     return;
   }
@@ -82,6 +82,15 @@ void put_pattern(PrusaImporter& in) {
   }
   in.put_yaml("slice.infill_pattern", found->second);
   in.approximated("fill_pattern = " + *pattern + ": printed as " + found->second);
+}
+
+void put_solid_pattern(PrusaImporter& in, const std::string& theirs, const std::string& ours) {
+  const auto pattern = in.word(theirs);
+  if (!pattern) return;
+  in.put_yaml(ours, *pattern == "concentric" ? "concentric" : "rectilinear");
+  if (*pattern != "concentric" && *pattern != "rectilinear" && !pattern->starts_with("monotonic") &&
+      *pattern != "alignedrectilinear")
+    in.approximated(theirs + " = " + *pattern + ": printed as rectilinear");
 }
 
 void put_seam(PrusaImporter& in) {
@@ -204,11 +213,15 @@ void import_speeds(PrusaImporter& in) {
   in.put("speed.solid_infill_mm_s", solid);
   in.put("speed.top_solid_infill_mm_s", speed("top_solid_infill_speed", solid));
   in.put("speed.support_mm_s", speed("support_material_speed", std::nullopt));
-  in.put("speed.bridge_mm_s", speed("bridge_speed", std::nullopt));
+  const auto bridge = speed("bridge_speed", std::nullopt);
+  in.put("speed.bridge_mm_s", bridge);
+  in.put("speed.internal_bridge_mm_s", bridge);
   in.put("speed.gap_fill_mm_s", speed("gap_fill_speed", perimeter));
   in.put("speed.travel_mm_s", in.number("travel_speed"));
-  if (in.known("speed.small_perimeter_mm_s"))
-    in.put("speed.small_perimeter_mm_s", speed("small_perimeter_speed", perimeter));
+  if (const auto small = speed("small_perimeter_speed", perimeter)) {
+    in.put("speed.small_perimeter_mm_s", small);
+    in.put("slice.small_perimeter_length_mm", kSmallPerimeter_mm);
+  }
   if (const auto first = in.amount("first_layer_speed")) {
     in.put("speed.first_layer_mm_s", in.part_of("first_layer_speed", perimeter));
     if (first->percent)

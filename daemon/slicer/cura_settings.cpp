@@ -57,6 +57,14 @@ void put_machine(Putter& put, const toolpath::PrintSettings& s) {
       100 * s.filament.flow);
 }
 
+/// As many as asked for, and more where those are thinner than asked for.
+int skin_layers(int layers, double thickness_mm, double layer_height_mm) {
+  constexpr double kRounding = 1e-4;  // of a layer
+  return layers == 0
+             ? 0
+             : std::max(layers, static_cast<int>(std::ceil(thickness_mm / layer_height_mm - kRounding)));
+}
+
 void put_shells(Putter& put, const toolpath::SliceSettings& s) {
   put({"layer_height", "infill_sparse_thickness", "support_infill_sparse_thickness"}, s.layer_height_mm);
   put({"layer_height_0"}, s.first_layer_height_mm);
@@ -77,10 +85,12 @@ void put_shells(Putter& put, const toolpath::SliceSettings& s) {
   put({"z_seam_type"}, s.seam == toolpath::SeamPosition::aligned ? "sharpest_corner"
                        : s.seam == toolpath::SeamPosition::rear  ? "back"
                                                                  : "shortest");
-  put({"top_layers"}, s.top_layers);
-  put({"bottom_layers", "initial_bottom_layers"}, s.bottom_layers);
-  put({"top_thickness"}, s.top_layers * s.layer_height_mm);
-  put({"bottom_thickness"}, s.bottom_layers * s.layer_height_mm);
+  const int top = skin_layers(s.top_layers, s.top_thickness_mm, s.layer_height_mm);
+  const int bottom = skin_layers(s.bottom_layers, s.bottom_thickness_mm, s.layer_height_mm);
+  put({"top_layers"}, top);
+  put({"bottom_layers", "initial_bottom_layers"}, bottom);
+  put({"top_thickness"}, top * s.layer_height_mm);
+  put({"bottom_thickness"}, bottom * s.layer_height_mm);
   put({"top_bottom_pattern", "top_bottom_pattern_0", "roofing_pattern"}, "zigzag");
   put({"skin_outline_count", "roofing_layer_count"}, 0);
   put({"top_skin_preshrink", "bottom_skin_preshrink", "skin_preshrink", "top_skin_expand_distance",
@@ -99,6 +109,7 @@ void put_infill(Putter& put, const toolpath::SliceSettings& s) {
   put({"infill_pattern"}, pattern == InfillPattern::grid         ? "grid"
                           : pattern == InfillPattern::concentric ? "concentric"
                           : pattern == InfillPattern::gyroid     ? "gyroid"
+                          : pattern == InfillPattern::lightning  ? "lightning"
                                                                  : "lines");
   put({"zig_zaggify_infill", "connect_infill_polygons"}, true);
   put({"infill_sparse_density"}, 100 * s.infill_density);
