@@ -160,8 +160,10 @@ void import_shells(PrusaImporter& in, const PrusaLayers& layers) {
   in.put("slice.elephant_foot_mm", in.number("elefant_foot_compensation"));
   in.put("slice.resolution_mm", in.number("gcode_resolution"));
   in.put("slice.min_infill_area_mm2", in.number("solid_infill_below_area"));
-  if (in.known("slice.infill_every_layers"))
-    in.put("slice.infill_every_layers", in.number("infill_every_layers"));
+  in.put("slice.infill_every_layers", in.number("infill_every_layers"));
+  in.put("slice.bridge_flow", in.number("bridge_flow_ratio"));
+  put_solid_pattern(in, "top_fill_pattern", "slice.top_pattern");
+  put_solid_pattern(in, "bottom_fill_pattern", "slice.solid_pattern");
 }
 
 void import_supports(PrusaImporter& in, const PrusaLayers& layers) {
