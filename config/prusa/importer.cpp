@@ -32,8 +32,11 @@ std::string millimetres(double value) { return number_text(std::round(value * 1e
 PrusaImporter::PrusaImporter(const IniValues& values) : values_(values) {
   const Tree tree = read_yaml_text(profile_text(Profile{}), "profile");
   for (const Tree::Entry& section : tree.map)
-    for (const Tree::Entry& entry : section.value.map) order_.push_back(section.key + "." + entry.key);
-  order_.emplace_back("machine.jerk_mm_s");  // printed only where it is set
+    for (const Tree::Entry& entry : section.value.map) {
+      order_.push_back(section.key + "." + entry.key);
+      // Printed only where it is set.
+      if (order_.back() == "machine.junction_deviation_mm") order_.emplace_back("machine.jerk_mm_s");
+    }
   schema_.insert(order_.begin(), order_.end());
 }
 

@@ -116,7 +116,9 @@ PrintedExtents printed_extents(const std::filesystem::path& file) {
   if (!in) throw std::runtime_error(file.string() + ": cannot be read");
   PrintedExtents layers;
   PrintedExtents everything;  // counts where no comment opens a layer
+  bool opened = false;
   walk(in, [&](const Step& step) {
+    opened = opened || step.in_layers;
     if (step.pushed_mm <= 0 || !step.moves_xy()) return;
     for (const Position& p : {step.from, step.to}) {
       everything.all.add(p);
@@ -125,7 +127,7 @@ PrintedExtents printed_extents(const std::filesystem::path& file) {
       if (is_outer_wall(step.feature)) layers.outer_walls.add(p);
     }
   });
-  return layers.all.any ? layers : everything;
+  return opened ? layers : everything;
 }
 
 }  // namespace voidpath::gcode
