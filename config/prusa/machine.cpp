@@ -34,8 +34,7 @@ void import_cooling(PrusaImporter& in) {
   in.put("cooling.min_speed_mm_s", in.number("min_print_speed"));
   if (const auto bridge = in.number("bridge_fan_speed")) in.put("cooling.bridge_fan", *bridge / 100);
   in.put("cooling.fan_off_layers", in.number("disable_fan_first_layers"));
-  if (const auto ramp = in.number("full_fan_speed_layer"); ramp && *ramp > 0)
-    in.leave_out("full_fan_speed_layer = " + number_text(*ramp) + " (the fan does not ramp up here)");
+  in.put("cooling.full_fan_at_layer", in.number("full_fan_speed_layer"));
 }
 
 void import_retraction(PrusaImporter& in) {
@@ -53,6 +52,10 @@ void import_retraction(PrusaImporter& in) {
   in.put("retract.deretract_speed_mm_s", back && *back > 0 ? back : speed);
   in.put("retract.lift_mm", retract("retract_lift"));
   in.put("retract.min_travel_mm", retract("retract_before_travel"));
+  const auto own_wipe = in.flag("filament_wipe");
+  const auto wipe = in.flag("wipe");
+  in.put_flag("retract.wipe", own_wipe ? own_wipe : wipe);
+  in.put_flag("retract.avoid_crossing_perimeters", in.flag("avoid_crossing_perimeters"));
   if (const auto firmware = in.flag("use_firmware_retraction"); firmware && *firmware)
     in.leave_out("use_firmware_retraction = 1 (retraction is written as E moves of retract_length)");
 }
@@ -216,6 +219,8 @@ void import_machine(PrusaImporter& in) {
   in.put_flag("machine.relative_e", in.flag("use_relative_e_distances"));
   if (const auto z = in.number("z_offset"); z && *z != 0)
     in.leave_out("z_offset = " + number_text(*z) + " (set it in the printer: M851)");
+  in.put_flag("machine.progress", in.flag("remaining_times"));
+  if (const auto arcs = in.word("arc_fitting")) in.put_flag("machine.arcs", *arcs == "emit_center");
   import_limits(in);
   import_gcode(in);
 }

@@ -233,6 +233,9 @@ void import_speeds(PrusaImporter& in) {
   const auto print = in.number("default_acceleration");
   in.put("acceleration.print_mm_s2", print);
   in.put("acceleration.first_layer_mm_s2", in.number("first_layer_acceleration"));
+  for (const std::string feature :
+       {"perimeter", "external_perimeter", "infill", "solid_infill", "top_solid_infill", "bridge"})
+    in.put("acceleration." + feature + "_mm_s2", in.number(feature + "_acceleration"));
   in.put("acceleration.travel_mm_s2", in.number("travel_acceleration"));
 }
 

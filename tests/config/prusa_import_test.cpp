@@ -109,6 +109,8 @@ end_gcode = G1 Z{max_layer_z + 5}\nM104 S0
 ironing = 1
 spiral_vase = 0
 wipe = 1
+perimeter_acceleration = 700
+complete_objects = 1
 a_key_of_tomorrow = 7
 )";
 
@@ -157,6 +159,8 @@ TEST_CASE("a PrusaSlicer configuration comes over, resolved as PrusaSlicer resol
   CHECK(p.print.speed.bridge == 70);
   CHECK(p.print.speed.first_layer == 25);
   CHECK(p.print.acceleration.print == 900);
+  CHECK(p.print.acceleration.perimeter == 700);
+  CHECK(p.print.retract.wipe);
   const auto& f = p.print.filament;
   CHECK(f.name == "PETG");
   CHECK(f.nozzle_c == 235);
@@ -186,7 +190,7 @@ TEST_CASE("nothing that could not be carried over is kept quiet") {
   std::vector<std::string> notes;
   const PrusaImport made =
       import_prusa(choose_presets(read_prusa_file(dir.write("my.ini", kIni)), {}, notes));
-  for (const char* said : {"ironing = 1", "wipe = 1", "a_key_of_tomorrow = 7", "M221",
+  for (const char* said : {"ironing = 1", "complete_objects = 1", "a_key_of_tomorrow = 7", "M221",
                            "bed_size_nobody_knows", "max_layer_z + 5"}) {
     INFO(said);
     CHECK(lists(made.left_out, said));
