@@ -278,7 +278,7 @@ TEST_CASE("what came over is what our G-code does") {
   options.print = loaded(dir, made).print;
   options.print.cooling.enabled = false;
   std::stringstream text;
-  pipeline::slice_part(test::box(30, 30, 5), geom::Vec3::UnitZ(), options, text, {});
+  pipeline::slice_part(test::box(30, 30, 5), geom::Vec3(0, 0, 1), options, text, {});
   const std::string gcode = text.str();
   CHECK(gcode.find("M109 S240\n") != std::string::npos);
   CHECK(gcode.find("M190 S80\n") != std::string::npos);
