@@ -81,8 +81,6 @@ const std::set<std::string_view> kNeverMatters = {"avoid_crossing_perimeters_max
                                                   "printer_vendor",
                                                   "printhost_apikey",
                                                   "printhost_cafile",
-                                                  "raft_contact_distance",
-                                                  "raft_expansion",
                                                   "raft_first_layer_density",
                                                   "raft_first_layer_expansion",
 
@@ -133,7 +131,6 @@ const std::set<std::string_view> kNeverMatters = {"avoid_crossing_perimeters_max
                                                   "infill_anchor",
                                                   "infill_anchor_max",
                                                   "support_material_bottom_contact_distance",
-                                                  "brim_separation",
                                                   "filament_soluble",
                                                   "filament_abrasive"};
 
@@ -166,14 +163,12 @@ const std::map<std::string_view, std::string_view> kNeutral = {
     {"overhangs", "1"},
     {"perimeter_generator", "arachne|classic"},
     {"post_process", "|\"\""},
-    {"raft_layers", "0"},
     {"retract_layer_change", "0"},
     {"retract_lift_above", "0"},
     {"retract_lift_below", "0"},
     {"retract_restart_extra", "0"},
     {"slicing_mode", "regular"},
     {"solid_infill_every_layers", "0"},
-    {"spiral_vase", "0"},
     {"support_material_bottom_interface_layers", "0"},
     {"support_material_enforce_layers", "0"},
     {"support_material_interface_contact_loops", "0"},
@@ -187,8 +182,7 @@ const std::map<std::string_view, std::string_view> kNeutral = {
     {"thin_walls", "1|0"},
     {"travel_speed_z", "0"},
     {"use_volumetric_e", "0"},
-    {"wipe_tower", "0"},
-    {"xy_size_compensation", "0"}};
+    {"wipe_tower", "0"}};
 
 bool one_of(std::string_view all, std::string_view value) {
   for (std::size_t begin = 0;;) {

@@ -109,8 +109,11 @@ void put_adhesion(PrusaImporter& in) {
   const auto brim = in.number("brim_width");
   if (!brim) return;
   in.put("slice.brim_width_mm", type && *type == "no_brim" ? 0.0 : *brim);
-  if (*brim > 0 && type && *type != "no_brim" && *type != "outer_only")
-    in.approximated("brim_type = " + *type + ": the brim lies outside only");
+  in.put("slice.brim_gap_mm", in.number("brim_separation"));
+  if (type && *type != "no_brim")
+    in.put_yaml("slice.brim_type", *type == "inner_only"        ? "inner"
+                                   : *type == "outer_and_inner" ? "both"
+                                                                : "outer");
 }
 
 }  // namespace
@@ -157,6 +160,14 @@ void import_shells(PrusaImporter& in, const PrusaLayers& layers) {
   in.put_flag("slice.external_perimeters_first", in.flag("external_perimeters_first"));
   put_seam(in);
   put_adhesion(in);
+  in.put("slice.raft_layers", in.number("raft_layers"));
+  in.put("slice.raft_gap_mm", in.number("raft_contact_distance"));
+  in.put("slice.raft_margin_mm", in.number("raft_expansion"));
+  if (const auto growth = in.number("xy_size_compensation")) {
+    in.put("slice.xy_compensation_mm", *growth);
+    in.put("slice.hole_compensation_mm", 0.0 - *growth);  // there one number grows all outlines into the air
+  }
+  in.put_flag("slice.spiral_vase", in.flag("spiral_vase"));
   in.put("slice.elephant_foot_mm", in.number("elefant_foot_compensation"));
   in.put("slice.resolution_mm", in.number("gcode_resolution"));
   in.put("slice.min_infill_area_mm2", in.number("solid_infill_below_area"));

@@ -109,6 +109,9 @@ end_gcode = G1 Z{max_layer_z + 5}\nM104 S0
 ironing = 1
 spiral_vase = 0
 wipe = 1
+xy_size_compensation = -0.05
+brim_separation = 0.1
+raft_layers = 2
 perimeter_acceleration = 700
 complete_objects = 1
 a_key_of_tomorrow = 7
@@ -153,6 +156,10 @@ TEST_CASE("a PrusaSlicer configuration comes over, resolved as PrusaSlicer resol
   CHECK(s.support_xy_gap_mm == Approx(0.28125));
   CHECK(s.skirt_loops == 2);
   CHECK(s.brim_width_mm == 0);
+  CHECK(s.brim_gap_mm == 0.1);
+  CHECK(s.raft_layers == 2);
+  CHECK(s.xy_compensation_mm == -0.05);
+  CHECK(s.hole_compensation_mm == 0.05);
   CHECK(p.print.speed.external_perimeter == 30);
   CHECK(p.print.speed.solid_infill == 45);
   CHECK(p.print.speed.top_solid_infill == 18);
@@ -277,6 +284,7 @@ TEST_CASE("what came over is what our G-code does") {
   pipeline::PrepareOptions options;
   options.print = loaded(dir, made).print;
   options.print.cooling.enabled = false;
+  options.print.slice.raft_layers = 0;
   std::stringstream text;
   pipeline::slice_part(test::box(30, 30, 5), geom::Vec3(0, 0, 1), options, text, {});
   const std::string gcode = text.str();
