@@ -52,7 +52,7 @@ void Driver::settle(double t) {
   if (phase_ == Phase::identifying || phase_ == Phase::ready) {
     collect(t);
     pump(t);
-    check_health();
+    check_health(t);
     rest_until_ = job_ && phase_ == Phase::ready ? link_.rest_until() : 0;
   }
 }
@@ -204,6 +204,7 @@ void Driver::drop_finished_job() {
 
 void Driver::pump(double t) {
   link_.pump(t);
+  if (link_.wants_question()) link_.ask(t);
   if (packing_again(t)) return;
   while (!queries_.empty() && link_.may_send(queries_.front())) {
     link_.send(queries_.front(), {.kind = Tag::Kind::query}, t);
@@ -216,10 +217,10 @@ void Driver::pump(double t) {
   }
   if (job_ && queries_unanswered_ == 0) job_->feed(link_, t);
   drop_finished_job();
-  if (link_.wants_probe() && link_.may_send("M105")) link_.send("M105", {}, t);
+  if (link_.wants_probe() && link_.may_send("M105")) link_.ask(t);
 }
 
-void Driver::check_health() {
+void Driver::check_health(double t) {
   const std::uint64_t doubtful = link_.window().doubtful_requests();
   if (std::exchange(doubtful_seen_, doubtful) != doubtful) {
     emit(Message{"a line was wanted again after its ok: it may have run twice, or damaged"});
@@ -239,6 +240,9 @@ void Driver::check_health() {
       break;
     case Window::Health::silent:
       fail("the printer no longer answers");
+      break;
+    case Window::Health::restarted:
+      on_restart(t);
       break;
   }
 }

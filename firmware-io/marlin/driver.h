@@ -92,7 +92,7 @@ class Driver final : public Dialogue {
   void ask_limits();
   void tell_limits();
   void pump(double t);
-  void check_health();
+  void check_health(double t);
   void poll_temperature(double t);
   bool reports_by_itself() const noexcept;
   double poll_at() const noexcept;

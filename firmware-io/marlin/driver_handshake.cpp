@@ -73,6 +73,7 @@ void Driver::dispatch_handshake(const Reply& reply, double t) {
       link_.note_busy(t);
       phase_deadline_ = t + kBusyGrace_s;
     } else if (const auto* firmware = std::get_if<Firmware>(&reply)) {
+      link_.first_line_answered();
       auto capabilities = std::move(firmware_.capabilities);
       firmware_ = firmware->info;
       firmware_.capabilities = std::move(capabilities);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace voidpath::fw::marlin {
 namespace {
@@ -30,16 +31,34 @@ constexpr double kMostLateness_s = 0.01;
 // A longer answer to the greeting tells of a busy printer, not of the wire.
 constexpr double kLongestRoundTrip_s = 0.2;
 
+const std::string_view kQuestion = "M105";
+// Garbage is common where the wire is bad or the firmware talkative.
+constexpr double kBetweenQuestions_s = 1;
+// Where a silence was mere work, the next question waits twice as long, up to this. It comes back by half
+// with each so many oks: a heating in between says nothing of the moves behind it.
+constexpr double kLongestPatience_s = 8;
+constexpr int kOksToForget = 64;
+// An answer may be lost as well, and so may the ok of a long command; but a firmware that says `busy`
+// meanwhile, every 2 s, is at work.
+constexpr double kAskAgain = 10;
+constexpr int kMostQuestions = 2;
+
 }  // namespace
 
 Link::Link(WindowOptions options, Timing timing, double byte_s, const Clock& stamp, FlightRecorder& recorder)
-    : window_(options), timing_(timing), byte_s_(byte_s), stamp_(stamp), recorder_(recorder) {}
+    : window_(options),
+      timing_(timing),
+      byte_s_(byte_s),
+      stamp_(stamp),
+      recorder_(recorder),
+      ask_after_s_(timing.patience_s) {}
 
 void Link::restart(std::uint32_t last) {
   window_.restart(last);
   outstanding_.clear();
   wire_free_t_ = 0;
-  held_ = false;
+  held_ = question_due_ = doubt_ = asked_in_silence_ = false;
+  questions_ = 0;
   waits_ = 0;
 }
 
@@ -73,7 +92,8 @@ void Link::note_rested(double until, double t) noexcept {
 
 void Link::write(std::string_view bytes, std::string_view shown, double t) {
   if (window_.bytes_in_flight() <= static_cast<int>(bytes.size())) progress_t_ = t;  // nothing else was out
-  patience_t_ = t;
+  patience_t_ = silent_since_t_ = t;
+  question_due_ = false;
   recorder_.sent(stamp_.now_s(), shown);
   output_ += bytes;
   wire_free_t_ = std::max(wire_free_t_, t) + static_cast<double>(bytes.size()) * byte_s_;
@@ -109,9 +129,9 @@ void Link::on_reply(const Reply& reply, double t) {
   const bool was_draining = window_.draining();
   if (!std::holds_alternative<Wait>(reply)) waits_ = 0;
   if (const auto* ok = std::get_if<Ok>(&reply)) {
+    const std::uint64_t lost = window_.lost_oks();
     window_.on_ok(ok->line, ok->queue_free, !ok->sensors.empty());
-    note_progress(t);
-    patience_t_ = t;
+    note_ok(!ok->sensors.empty(), window_.lost_oks() - lost, t);
   } else if (const auto* resend = std::get_if<Resend>(&reply)) {
     window_.on_resend(resend->line);
     note_progress(t);
@@ -126,9 +146,52 @@ void Link::on_reply(const Reply& reply, double t) {
     }
   } else {
     if (std::holds_alternative<Overrun>(reply)) window_.on_overrun();
+    doubt_ = doubt_ || (std::holds_alternative<Other>(reply) && window_.waiting());
     window_.on_other_line();
   }
   if (window_.draining() && !was_draining) stop_packing();
+}
+
+void Link::note_ok(bool temperatures, std::uint64_t lost, double t) {
+  note_progress(t);
+  patience_t_ = silent_since_t_ = t;
+  question_due_ = false;
+  questions_ = 0;
+  if (++oks_since_ % kOksToForget == 0) ask_after_s_ = std::max(ask_after_s_ / 2, timing_.patience_s);
+  if (!temperatures) return;
+  doubt_ = false;
+  if (lost > 0) {
+    ask_after_s_ = timing_.patience_s;
+  } else if (asked_in_silence_) {
+    ask_after_s_ = std::min(ask_after_s_ * 2, kLongestPatience_s);
+    oks_since_ = 0;
+  }
+  asked_in_silence_ = false;
+}
+
+double Link::ask_at() const {
+  if (window_.draining() || !window_.waiting() || held_ || !window_.may_ask(kQuestion)) return kNever;
+  const bool is_long = long_outstanding();
+  if (questions_ >= (is_long ? 1 : kMostQuestions)) return kNever;
+  const double arrived_s = round_trip_s_ + 128 * byte_s_;
+  return silent_since_t_ + arrived_s +
+         (is_long || window_.asking() ? kAskAgain * timing_.patience_s : ask_after_s_);
+}
+
+bool Link::wants_question() const {
+  if (question_due_ && window_.may_ask(kQuestion)) return true;
+  return doubt_ && !window_.asking() && !window_.draining() && window_.waiting() &&
+         received_t_ >= asked_t_ + kBetweenQuestions_s && window_.may_send(kQuestion);
+}
+
+void Link::ask(double t) {
+  if (std::exchange(question_due_, false)) {
+    asked_in_silence_ = true;
+    window_.allow_question();
+  }
+  doubt_ = false;
+  asked_t_ = t;
+  send(kQuestion, {}, t);
 }
 
 std::optional<Tag> Link::take_acknowledged() {
@@ -157,11 +220,12 @@ double Link::stall_after_s() const noexcept {
   return busy_seen_ ? timing_.busy_silence_s : timing_.silence_s;
 }
 
-double Link::deadline() const noexcept {
+double Link::deadline() const {
   if (window_.draining()) return received_t_ + quiet_after_s();
   if (!window_.waiting() || held_) return kNever;
-  double next = progress_t_ + stall_after_s();
-  if (window_.throttled()) next = std::min(next, patience_t_ + timing_.patience_s);
+  double next = std::min(progress_t_ + stall_after_s(), ask_at());
+  if (window_.throttled() || window_.answers_missing())
+    next = std::min(next, patience_t_ + timing_.patience_s);
   return next;
 }
 
@@ -171,7 +235,13 @@ void Link::elapsed(double t) {
     return;
   }
   if (!window_.waiting() || held_) return;
-  if (window_.throttled() && t >= patience_t_ + timing_.patience_s) window_.on_patience(), patience_t_ = t;
+  const bool impatient = window_.throttled() || window_.answers_missing();
+  if (impatient && t >= patience_t_ + timing_.patience_s) window_.on_patience(), patience_t_ = t;
+  if (t >= ask_at()) {
+    question_due_ = true;
+    ++questions_;
+    silent_since_t_ = t;
+  }
   if (t >= progress_t_ + stall_after_s()) {
     window_.on_stall(!long_outstanding());
     if (window_.stalls() > 1) stop_packing();

@@ -17,7 +17,7 @@ namespace voidpath::fw::marlin {
 /// Protocol times in seconds of the steady clock, which is handed in as `t`.
 struct Timing {
   double quiet_s = 0.05;      ///< after a resend request, beyond twice the round trip: USB bridges hold 16 ms
-  double patience_s = 0.25;   ///< without an ok, before a throttled window opens by a line
+  double patience_s = 0.25;   ///< without an ok, before a throttled window opens and M105 is asked
   double silence_s = 30;      ///< without an ok, from a firmware that says no `busy`
   double busy_silence_s = 6;  ///< the same from one that says it every 2 s
   double long_silence_s = 900;  ///< a levelling run without `busy`
@@ -60,6 +60,8 @@ class Link {
   double rest_until() const noexcept;
   /// A rest that was to end at `until` ended at `t`.
   void note_rested(double until, double t) noexcept;
+  /// The answer to the first line came, whatever became of its ok.
+  void first_line_answered() noexcept { window_.on_first_line_taken(); }
   bool may_send(std::string_view payload) const { return window_.may_send(payload); }
   void send(std::string_view payload, Tag tag, double t);
   /// Without a number. `answered`: an ok comes back for it.
@@ -73,14 +75,22 @@ class Link {
   /// Waits for a person: no timers until it goes on.
   void hold() { held_ = true; }
   /// The firmware says `busy` by itself.
-  void note_busy(double t) { busy_seen_ = true, note_progress(t); }
+  void note_busy(double t) {
+    busy_seen_ = true;
+    if (window_.asking() || long_outstanding()) silent_since_t_ = t;
+    note_progress(t);
+  }
 
   std::optional<Tag> take_acknowledged();
-  double deadline() const noexcept;
+  double deadline() const;
   void elapsed(double t);
 
   bool all_acknowledged() const noexcept { return window_.idle(); }
   /// A line is needed to provoke an answer, and nobody sent one.
+  /// An ok may have been lost: M105's answer tells what was taken. At most one is out while answers come.
+  bool wants_question() const;
+  /// Sends it.
+  void ask(double t);
   bool wants_probe() const noexcept { return window_.wants_probe() && !window_.draining(); }
   double progress_t() const noexcept { return progress_t_; }
   bool busy_seen() const noexcept { return busy_seen_; }
@@ -99,6 +109,8 @@ class Link {
   bool long_outstanding() const noexcept;
   double stall_after_s() const noexcept;
   double quiet_after_s() const noexcept;
+  double ask_at() const;
+  void note_ok(bool temperatures, std::uint64_t lost, double t);
 
   Window window_;
   Timing timing_;
@@ -113,6 +125,14 @@ class Link {
   double received_t_ = 0;
   double progress_t_ = 0;
   double patience_t_ = 0;
+  double silent_since_t_ = 0;      ///< neither was anything sent nor did an ok come
+  double asked_t_ = 0;             ///< a question was last sent
+  double ask_after_s_;             ///< of silence; longer where silence turned out to be work
+  bool question_due_ = false;      ///< by silence: all that was sent has arrived
+  bool doubt_ = false;             ///< what came may have been an ok
+  bool asked_in_silence_ = false;  ///< and not yet answered
+  int oks_since_ = 0;
+  int questions_ = 0;  ///< in this silence
   bool packed_once_ = false;
   std::uint64_t quiet_lines_ = 0;  ///< acknowledged since packing ended
   bool held_ = false;

@@ -26,6 +26,14 @@ constexpr int kEarlyRequestsThatTell = 4;
 // request.
 constexpr std::uint32_t kDeepestRequest = 64;
 
+// A request is two lines, the error with the last number and the number wanted. Damage to one of them may
+// turn any number into the first; hardly to two in a row.
+constexpr int kSignsOfRestart = 2;
+
+// Of the lines in flight so many have left the receive buffer once all have arrived: BUFSIZE is 4, less what
+// the panel may have put into the queue.
+constexpr int kSurelyQueued = 2;
+
 // Marlin's BUFSIZE is 4, on big boards up to 64.
 constexpr int kMostQueuePlaces = 64;
 
@@ -51,7 +59,7 @@ Window::Window(WindowOptions options)
 
 void Window::restart(std::uint32_t last) {
   in_flight_.clear();
-  first_kept_ = cursor_ = next_ = last + 1;
+  first_ = first_kept_ = cursor_ = next_ = last + 1;
   acknowledged_ = last;
   bytes_in_flight_ = 0;
   limit_ = threshold_ = ceiling_ = options_.max_bytes;
@@ -59,9 +67,10 @@ void Window::restart(std::uint32_t last) {
   oks_ = early_requests_ = queue_places_ = 0;
   counts_trusted_ = true;
   draining_ = grant_ = probing_ = probe_answered_ = resent_was_in_flight_ = false;
+  question_ = answered_ = first_taken_ = false;
   request_ok_due_ = 0;
   round_line_ = 0;
-  rounds_ = impossible_ = stalls_ = 0;
+  rounds_ = impossible_ = stalls_ = restart_signs_ = 0;
   health_ = Health::good;
 }
 
@@ -73,7 +82,7 @@ std::size_t Window::framed_bytes(std::string_view payload) const {
 
 bool Window::has_room(std::size_t bytes) const noexcept {
   if (draining_ || health_ != Health::good) return false;
-  if (grant_ || bytes_in_flight_ == 0) return true;
+  if (grant_ || question_ || bytes_in_flight_ == 0) return true;
   return bytes_in_flight_ + static_cast<int>(bytes) <= limit_;
 }
 
@@ -89,6 +98,7 @@ bool Window::may_send(std::string_view payload) const {
 void Window::note_sent(std::uint32_t number, std::size_t bytes) {
   in_flight_.push_back({number, static_cast<int>(bytes)});
   bytes_in_flight_ += static_cast<int>(bytes);
+  question_ = answered_ = false;
   if (grant_) {
     grant_ = false;
     probing_ = true;
@@ -115,6 +125,24 @@ std::optional<std::string> Window::resend() {
   note_sent(cursor_, framed.size());
   ++cursor_;
   return framed;
+}
+
+bool Window::may_ask(std::string_view question) const {
+  if (draining_ || resending() || health_ != Health::good) return false;
+  int bytes = bytes_in_flight_ + static_cast<int>(framed_bytes(question));
+  for (std::size_t i = 0; i < in_flight_.size() && i < kSurelyQueued; ++i) bytes -= in_flight_[i].bytes;
+  return bytes <= options_.max_bytes;
+}
+
+bool Window::asking() const {
+  return std::any_of(in_flight_.begin(), in_flight_.end(),
+                     [&](const Flight& flight) { return is_question(flight); });
+}
+
+bool Window::answers_missing() const {
+  return answered_ && !resending() && !in_flight_.empty() &&
+         std::all_of(in_flight_.begin(), in_flight_.end(),
+                     [&](const Flight& flight) { return is_question(flight); });
 }
 
 void Window::sent_unnumbered() { in_flight_.push_back({0, 0}); }
@@ -194,10 +222,11 @@ void Window::on_ok(std::optional<std::uint32_t> line, std::optional<int> queue_f
     return;
   }
   if (temperatures) {
-    const auto asked = std::find_if(in_flight_.begin(), in_flight_.end(), [&](const Flight& flight) {
-      return flight.number != 0 && kept(flight.number) == "M105";
-    });
+    const auto asked = std::find_if(in_flight_.begin(), in_flight_.end(),
+                                    [&](const Flight& flight) { return is_question(flight); });
     if (asked == in_flight_.end()) return;
+    answered_ = first_taken_ = true;
+    lost_oks_ += static_cast<std::uint64_t>(asked - in_flight_.begin());
     for (auto n = asked - in_flight_.begin() + 1; n > 0; --n) acknowledge_front();
     return;
   }
@@ -238,12 +267,23 @@ void Window::rewind_to(std::uint32_t line) {
   cursor_ = line;
 }
 
+bool Window::wants_the_beginning(std::uint32_t line) {
+  if (line != first_ || !first_taken_) {
+    restart_signs_ = 0;
+    return false;
+  }
+  if (++restart_signs_ >= kSignsOfRestart) give_up(Health::restarted);
+  return true;
+}
+
 void Window::on_resend(std::uint32_t line) {
   ++resend_requests_;
   ++disturbances_;
   const bool says_ok = request_oks_missed_ <= request_oks_seen_;
   request_ok_due_ = says_ok ? kOkAfterResend : 0;
-  if (line < first_kept_ || line > next_ || line + kDeepestRequest < acknowledged_) {
+  if (wants_the_beginning(line)) {
+    if (!draining_) rewind_to(cursor_);
+  } else if (line < first_kept_ || line > next_ || line + kDeepestRequest < acknowledged_) {
     if (++impossible_ >= options_.stuck_rounds) give_up(Health::no_history);
     if (!draining_) rewind_to(cursor_);  // let it ask again, one line at a time
   } else {
@@ -283,7 +323,9 @@ void Window::on_quiet() {
 }
 
 void Window::on_patience() {
-  if (!draining_) limit_ = std::max(limit_, std::min(patient_limit(), limit_ + kTypicalLine));
+  if (draining_) return;
+  if (answers_missing()) return acknowledge_all();
+  limit_ = std::max(limit_, std::min(patient_limit(), std::max(limit_, bytes_in_flight_) + kTypicalLine));
 }
 
 void Window::on_stall(bool may_overfill) {
@@ -295,8 +337,7 @@ void Window::on_stall(bool may_overfill) {
     probing_ = false;
     return;
   }
-  if (!may_overfill && bytes_in_flight_ + kTypicalLine > options_.max_bytes) return;
-  grant_ = true;
+  grant_ = may_overfill || bytes_in_flight_ + kTypicalLine <= options_.max_bytes;
   if (++stalls_ > options_.silent_stalls) give_up(Health::silent);
 }
 

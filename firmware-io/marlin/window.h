@@ -17,7 +17,8 @@
 /// says ok when it has executed it. A damaged line makes it drop everything in its receive buffer and ask for
 /// the next number it wants; every complete line arriving behind makes it ask again. The ok that ends such a
 /// request belongs to it and may overtake the oks still owed for earlier lines; some firmware never says it.
-/// A line that repeats the last or last but one taken is met with silence.
+/// A line that repeats the last or last but one taken is met with silence. After a boot it wants the first
+/// line, whatever it is sent.
 ///
 /// How much may be out. After a request: one line, then
 /// twice as much with each round up to half of what was out, then a byte more with each ok up to the ceiling.
@@ -44,6 +45,7 @@ class Window {
     stuck,       ///< one line is refused for ever
     no_history,  ///< asked for a line no longer kept, or never sent, again and again
     silent,      ///< no answer in spite of probing
+    restarted,   ///< wants the dialogue from its beginning: it has booted, unheard
   };
 
   explicit Window(WindowOptions options = {});
@@ -64,6 +66,11 @@ class Window {
   std::optional<std::string> resend();
   /// An unnumbered line that will be answered by an ok went out.
   void sent_unnumbered();
+  /// True when a question may go out after a silence in which all that was sent has arrived: what then stands
+  /// in the command queue has left the receive buffer, whatever oks were lost.
+  bool may_ask(std::string_view question) const;
+  /// The next line is that question: it may go beyond the limit.
+  void allow_question() noexcept { question_ = true; }
 
   // --- what the printer says; each line of it is reported by exactly one of these ---
 
@@ -72,6 +79,8 @@ class Window {
   void on_ok(std::optional<std::uint32_t> line, std::optional<int> queue_free = {},
              bool temperatures = false);
   void on_resend(std::uint32_t line);
+  /// What only the first line brings about was seen: who wants it from now on has booted.
+  void on_first_line_taken() noexcept { first_taken_ = true; }
   void on_framing_error(std::optional<std::uint32_t> last_line);
   void on_other_line();
   /// The firmware says that its receive buffer ran over.
@@ -81,7 +90,8 @@ class Window {
 
   /// After a resend request the line has been quiet long enough for nothing more to come.
   void on_quiet();
-  /// No ok for a while though the window is not full: one more line can do no harm.
+  /// No ok for a while though the window is not full: one more line can do no harm. What answers_missing()
+  /// means counts as answered.
   void on_patience();
   /// No ok for so long that one must have been lost: lets one line out to provoke an answer, beyond the
   /// limit if the ring may be overfilled for it.
@@ -101,6 +111,12 @@ class Window {
   /// The line let out by a stall was answered: if it now stays quiet, all before it had been taken.
   bool probe_was_answered() const noexcept { return probing_ && probe_answered_; }
   bool throttled() const noexcept { return limit_ < patient_limit(); }
+  /// A question whose answer cannot be mistaken for another line's is out.
+  bool asking() const;
+  /// Only questions are out, and one was answered since the last line was sent.
+  bool answers_missing() const;
+  /// Lines acknowledged by such an answer instead of by their own oks.
+  std::uint64_t lost_oks() const noexcept { return lost_oks_; }
   /// Highest number acknowledged; never falls.
   std::uint32_t acknowledged() const noexcept { return acknowledged_; }
   std::uint32_t next_number() const noexcept { return next_; }
@@ -130,6 +146,8 @@ class Window {
   std::string encode(std::uint32_t number, std::string_view payload) const;
   std::size_t framed_bytes(std::string_view payload) const;
   bool has_room(std::size_t bytes) const noexcept;
+  bool is_question(const Flight& flight) const { return flight.number != 0 && kept(flight.number) == "M105"; }
+  bool wants_the_beginning(std::uint32_t line);
   void note_sent(std::uint32_t number, std::size_t bytes);
   void acknowledge_front();
   void acknowledge_all();
@@ -147,6 +165,8 @@ class Window {
   WindowOptions options_;
   std::vector<std::string> history_;  ///< ring of payloads by number
   std::deque<Flight> in_flight_;
+  std::uint32_t first_ = 1;   ///< of the dialogue
+  bool first_taken_ = false;  ///< for sure: an ok alone may be one too many
   std::uint32_t first_kept_ = 1;
   std::uint32_t next_ = 1;
   std::uint32_t cursor_ = 1;
@@ -163,7 +183,9 @@ class Window {
   bool packing_ = false;
   bool draining_ = false;
   bool grant_ = false;
-  bool probing_ = false;  ///< the granted line went out
+  bool question_ = false;
+  bool answered_ = false;  ///< a question, since the last line was sent
+  bool probing_ = false;   ///< the granted line went out
   bool probe_answered_ = false;
   bool resent_was_in_flight_ =
       false;                  ///< the line asked for had just been sent again: it may have been taken
@@ -173,10 +195,12 @@ class Window {
   std::uint32_t round_line_ = 0;
   int rounds_ = 0;
   int impossible_ = 0;
+  int restart_signs_ = 0;  ///< in a row
   int stalls_ = 0;
   std::uint64_t resend_requests_ = 0;
   std::uint64_t doubtful_requests_ = 0;
   std::uint64_t nameless_oks_ = 0;
+  std::uint64_t lost_oks_ = 0;
   std::uint64_t disturbances_ = 0;
   Health health_ = Health::good;
 };

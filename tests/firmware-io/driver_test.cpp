@@ -479,3 +479,33 @@ TEST_CASE("shutting down turns the heaters off first", "[driver]") {
   const Lines end{"M104 S0", "M140 S0", "M107", "G1 Z10", "M84"};
   CHECK(Lines(printed.end() - static_cast<std::ptrdiff_t>(end.size()), printed.end()) == end);
 }
+
+TEST_CASE("a boot whose start was not heard ends the print", "[driver]") {
+  DriverBench bench;
+  REQUIRE(bench.connect());
+  bench.print(moves(40));
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() >= 10; }));
+  bench.to_host = [](std::string line) { return line == "start" ? "sta" : line; };
+  bench.firmware.reset();
+  const auto before = bench.printed().size();
+  REQUIRE(bench.run_until([&] { return over(bench); }));
+  REQUIRE(bench.count<PrintFailed>() == 1);
+  CHECK(bench.get<PrintFailed>().reason.find("restarted") != std::string::npos);
+  CHECK(bench.printed().size() == before);
+  CHECK(bench.run_until([&] { return bench.count<Connected>() == 2; }));
+}
+
+TEST_CASE("that all oks in flight are lost costs no half second", "[driver]") {
+  DriverBench bench;
+  REQUIRE(bench.connect());
+  bench.print(moves(100));
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() >= 10; }));
+  int lost = 0;
+  bench.to_host = [&](std::string line) { return line == "ok" && lost++ < 8 ? "" : line; };
+  const double t = bench.t;
+  const int done = bench.count<LineDone>();
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() > done + 8; }));
+  CHECK(bench.t - t < 0.5);
+  REQUIRE(bench.run_until([&] { return over(bench); }));
+  CHECK(bench.printed().size() == 101);
+}

@@ -72,6 +72,7 @@ class MockBench {
   std::vector<fw::Event> events;
   std::vector<std::string> log;                       ///< what the printer executed, in order
   std::function<void(const std::string&)> on_output;  ///< what the driver writes
+  std::function<void(const std::string&)> on_input;   ///< what it reads
   double read_every_s = 0;                            ///< a host too busy to read more often
 
  private:
@@ -105,6 +106,7 @@ class MockBench {
       driver.lost("unplugged");
       unplugged_until_ = t() + *seconds;
     }
+    if (!said.empty() && on_input) on_input(said);
     if (!said.empty() && !driver.closing()) driver.received(said, t());
     if (t() + kRounding_s >= driver.deadline()) {
       clock.now = std::max(t(), driver.deadline());

@@ -207,16 +207,22 @@ std::vector<std::string> of_file(const std::vector<std::string>& lines) {
 }
 
 SoakPrint play(const mock::Options& options, std::vector<std::string> file, double read_every_s,
-               std::string what) {
+               std::string what, const SoakTrace& trace) {
   SoakPrint print;
   print.what = std::move(what);
   MockBench bench(options);
   Witness witness;
-  bench.on_output = [&](const std::string& bytes) { witness.sent(bytes); };
+  bench.on_output = [&](const std::string& bytes) {
+    witness.sent(bytes);
+    if (trace) trace(bench.printer.now(), '>', bytes);
+  };
+  if (trace) bench.on_input = [&](const std::string& bytes) { trace(bench.printer.now(), '<', bytes); };
   double last_s = 0;
   bool printing = false;
   bench.printer.on_accepted([&](std::string_view text, std::optional<std::int64_t> number) {
     witness.accepted(text, number);
+    if (trace)
+      trace(bench.printer.now(), '=', (number ? std::to_string(*number) : "-") + " " + std::string(text));
     if (printing && last_s > 0)
       print.longest_gap_s = std::max(print.longest_gap_s, bench.printer.now() - last_s);
     last_s = bench.printer.now();
@@ -258,7 +264,7 @@ SoakPrint play(const mock::Options& options, std::vector<std::string> file, doub
 
 }  // namespace
 
-SoakPrint soak_print(std::uint64_t seed) {
+SoakPrint soak_print(std::uint64_t seed, const SoakTrace& trace) {
   Dice dice(seed);
   static constexpr const char* kFirmwares[] = {"marlin2", "marlin2", "marlin2",
                                                "marlin1", "prusa",   "smoothie"};
@@ -287,15 +293,15 @@ SoakPrint soak_print(std::uint64_t seed) {
   for (std::size_t n = 1 + dice.below(3); n > 0; --n) options.faults.push_back(any_fault(dice, lines, what));
   const bool slow_reader = dice.one_in(6);
   if (slow_reader) what += " slow-reader";
-  return play(options, make_file(dice, lines, level), slow_reader ? 0.05 : 0, what);
+  return play(options, make_file(dice, lines, level), slow_reader ? 0.05 : 0, what, trace);
 }
 
-SoakPrint noisy_print(std::uint64_t seed) {
+SoakPrint noisy_print(std::uint64_t seed, const SoakTrace& trace) {
   Dice dice(seed);
   mock::Options options =
       mock::make_mock().baud(115200).round_trip(0.001).instant_moves().cold_extrusion().seed(seed).build();
   options.faults = {by_chance(FaultKind::kFlipByte, 1e-4), by_chance(FaultKind::kFlipByte, 1e-4, true)};
-  return play(options, make_file(dice, 1000, false), 0, std::to_string(seed) + " one in 10 kB");
+  return play(options, make_file(dice, 1000, false), 0, std::to_string(seed) + " one in 10 kB", trace);
 }
 
 }  // namespace voidpath::test

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
+#include <string_view>
 
 /// Prints through every fault the mock knows, in invented time. What the printer took is compared, line by
 /// line and number by number, with what the driver sent and with the file.
@@ -20,8 +22,11 @@ struct SoakPrint {
   std::uint64_t resends = 0;
 };
 
-SoakPrint soak_print(std::uint64_t seed);
+/// Hears the whole dialogue: when, who ('>' the host, '<' the printer, '=' a line it took), what.
+using SoakTrace = std::function<void(double s, char who, std::string_view bytes)>;
+
+SoakPrint soak_print(std::uint64_t seed, const SoakTrace& trace = {});
 /// Only flipped bytes, both ways, one in 10 kB, on a Marlin at 115200.
-SoakPrint noisy_print(std::uint64_t seed);
+SoakPrint noisy_print(std::uint64_t seed, const SoakTrace& trace = {});
 
 }  // namespace voidpath::test

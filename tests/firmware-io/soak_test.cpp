@@ -27,10 +27,8 @@ TEST_CASE("with one damaged byte in 10 kB every print finishes", "[soak]") {
   }
 }
 
-// Not met yet where damage to an ok and to a request meet: three of these twenty wait longer, one of them for
-// 30 s.
-TEST_CASE("with one damaged byte in 10 kB nothing stands still for half a second", "[soak][!mayfail]") {
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+TEST_CASE("with one damaged byte in 10 kB nothing stands still for half a second", "[soak]") {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     const SoakPrint print = noisy_print(seed);
     INFO(print.what << ", " << print.resends << " resends");
     CHECK(print.longest_gap_s <= 0.5);

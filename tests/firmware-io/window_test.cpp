@@ -390,3 +390,64 @@ TEST_CASE("a firmware that says it was overrun gets less at once", "[window]") {
   CHECK(window.ceiling_bytes() < before);
   CHECK(window.limit_bytes() <= window.ceiling_bytes());
 }
+
+TEST_CASE("a request for the first line after it was surely taken tells of a boot, once it is repeated",
+          "[window]") {
+  const bool by_answer = GENERATE(true, false);
+  const bool both_halves = GENERATE(true, false);
+  Window window;
+  window.send("M115");
+  window.on_ok({});
+  if (by_answer) {
+    window.on_first_line_taken();
+  } else {
+    window.send("M105");
+    window.on_ok({}, {}, true);
+  }
+  for (int i = 0; i < 3; ++i) window.send(command(i));
+  const auto at = window.cursor();
+  window.on_framing_error(0);
+  CHECK(window.health() == Window::Health::good);
+  window.on_resend(both_halves ? 1 : at - 1);
+  if (!both_halves) window.on_framing_error(0);
+  CHECK(window.health() == (both_halves ? Window::Health::restarted : Window::Health::good));
+  CHECK(window.cursor() == (both_halves ? at : at - 1));
+}
+
+TEST_CASE("a first line known by its ok alone may be wanted again", "[window]") {
+  Window window;
+  window.send("M115");
+  window.on_ok({});
+  window.on_framing_error(0);
+  window.on_resend(1);
+  window.on_quiet();
+  CHECK(window.health() == Window::Health::good);
+  CHECK(window.resend() == "N1 M115*39\n");
+}
+
+TEST_CASE("the answer to a question acknowledges what lost its ok, and of two questions one answer will do",
+          "[window]") {
+  Window window;
+  for (int i = 0; i < 3; ++i) window.send(command(i));
+  REQUIRE(window.may_ask("M105"));
+  window.allow_question();
+  window.send("M105");
+  window.allow_question();
+  window.send("M105");
+  CHECK(window.asking());
+  window.on_ok({}, {}, true);
+  CHECK(window.lost_oks() == 3);
+  CHECK(window.acknowledged() == 4);
+  CHECK(window.answers_missing());
+  window.on_patience();
+  CHECK(window.idle());
+}
+
+TEST_CASE("a question is not asked where it could overfill the receive buffer", "[window]") {
+  Window window({.max_bytes = 127});
+  while (window.may_send("G1 X1")) window.send("G1 X1");
+  int questions = 0;
+  for (; questions < 50 && window.may_ask("M105"); ++questions) window.allow_question(), window.send("M105");
+  CHECK(questions > 0);
+  CHECK(window.bytes_in_flight() <= 127 + 2 * 14);
+}

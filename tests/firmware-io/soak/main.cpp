@@ -1,4 +1,5 @@
-// Prints through every fault the mock knows, by the thousand: soak [COUNT [FIRST_SEED]].
+// Prints through every fault the mock knows, by the thousand: soak [COUNT [FIRST_SEED]]; one of them with its
+// whole dialogue: soak show|noisy SEED.
 #include "tests/firmware-io/soak.h"
 
 #include <cstdio>
@@ -6,8 +7,31 @@
 #include <map>
 #include <string>
 
+namespace {
+
+void show(double s, char who, std::string_view bytes) {
+  std::printf("%.4f %c ", s, who);
+  for (const char c : bytes) {
+    if (c == '\n')
+      std::fputs("\\n", stdout);
+    else if (c >= ' ' && c <= '~')
+      std::putchar(c);
+    else
+      std::printf("\\x%02x", static_cast<unsigned>(static_cast<unsigned char>(c)));
+  }
+  std::putchar('\n');
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
   using namespace voidpath::test;
+  if (const std::string verb = argc > 2 ? argv[1] : ""; verb == "show" || verb == "noisy") {
+    const std::uint64_t seed = std::strtoull(argv[2], nullptr, 10);
+    const SoakPrint print = verb == "show" ? soak_print(seed, show) : noisy_print(seed, show);
+    std::printf("%s / %s / %s\n", print.what.c_str(), print.violation.c_str(), print.reason.c_str());
+    return print.violation.empty() ? 0 : 1;
+  }
   const std::uint64_t count = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 10000;
   const std::uint64_t first = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
   std::uint64_t finished = 0, violations = 0, invisible = 0, noticed = 0, resends = 0;
