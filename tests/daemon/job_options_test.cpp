@@ -16,6 +16,9 @@ TEST_CASE("options of a job are read or refused, never bent") {
     CHECK(read_method(method) == method);
   for (const char* bad : {"", "bogus", "Thesis", "thesis "})
     CHECK_THROWS_AS(read_method(bad), std::invalid_argument);
+  for (const char* slicer : {"builtin", "prusa-slicer", "cura-engine"}) CHECK(read_slicer(slicer) == slicer);
+  for (const char* bad : {"", "prusaslicer", "/bin/sh"})
+    CHECK_THROWS_AS(read_slicer(bad), std::invalid_argument);
   CHECK(read_copies("1") == 1);
   CHECK(read_copies("1000") == 1000);
   for (const char* bad : {"", "0", "-1", "1001", "99999999999", "2x", "1.5"})
@@ -36,6 +39,7 @@ TEST_CASE("a wrong option of add is wrong usage, before any daemon is asked") {
   };
   CHECK(code("add", {"a.stl", "--method", "bogus"}) == kUsage);
   CHECK(code("add", {"a.stl", "--copies", "0"}) == kUsage);
+  CHECK(code("add", {"a.stl", "--slicer", "slic3r"}) == kUsage);
   CHECK(code("add", {"a.stl", "--copies", "1001"}) == kUsage);
   CHECK(code("add", {"a.stl", "--scale", "inf"}) == kUsage);
   const auto flags = parse_client("add", {"a.stl", "--method", "thesis", "--copies", "1000", "--scale", "2"});

@@ -94,7 +94,7 @@ TEST_CASE("jobs come back as they were saved") {
     CHECK(job.position == 1);
     job.state = State::ready;
     job.facts = some_facts();
-    job.options = {"as-delivered", 2.5, 3};
+    job.options = {"as-delivered", 2.5, 3, "cura-engine"};
     job.copies = 3;
     job.copies_done = 1;
     job.message = "it's \"ready\"";
@@ -111,6 +111,7 @@ TEST_CASE("jobs come back as they were saved") {
   CHECK(back->copies_done == 1);
   CHECK(back->options.method == "as-delivered");
   CHECK(back->options.scale == 2.5);
+  CHECK(back->options.slicer == "cura-engine");
   CHECK(back->facts.direction == job.facts.direction);
   CHECK(back->facts.criteria->void_mm == 4.5);
   CHECK_FALSE(back->facts.criteria_as_delivered);
