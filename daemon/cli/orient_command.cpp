@@ -11,7 +11,6 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <numbers>
 
 #include <nlohmann/json.hpp>
 
@@ -27,15 +26,13 @@ std::string nine_digits(double v) {
 
 void write_candidates(const orient::Choice& choice, const std::string& file) {
   std::ofstream out(file, std::ios::trunc);
-  out << "dx,dy,dz,H_mm,V_mm3,C,D_mm,score,printable,predicted_s,sampled_s,turn_deg\n";
+  out << "dx,dy,dz,H_mm,V_mm3,C,D_mm,score,printable,predicted_s\n";
   for (const auto& c : choice.candidates) {
     for (int a = 0; a < 3; ++a) out << nine_digits(c.direction[a]) << ',';
     for (const double v :
          {c.criteria.height_mm, c.criteria.trapped_mm3, c.criteria.contours, c.criteria.void_mm, c.score})
       out << config::number_text(v) << ',';
-    out << (c.printable ? 1 : 0) << ',' << (c.predicted_s ? config::number_text(*c.predicted_s) : "") << ','
-        << (c.sampled_s ? config::number_text(*c.sampled_s) : "") << ','
-        << config::number_text(c.turn_rad * 180 / std::numbers::pi) << '\n';
+    out << (c.printable ? 1 : 0) << ',' << (c.predicted_s ? config::number_text(*c.predicted_s) : "") << '\n';
   }
   out.close();
   if (!out) throw std::runtime_error(file + ": cannot be written");
