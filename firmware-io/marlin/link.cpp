@@ -10,6 +10,8 @@
 namespace voidpath::fw::marlin {
 namespace {
 
+/// What an ok may seem to come before its line has gone, by clocks and buffers alone, s.
+constexpr double kClocksAgree_s = 0.0005;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 // One `wait` may have crossed a line on its way; the second, a second later, cannot have.
@@ -57,6 +59,7 @@ void Link::restart(std::uint32_t last) {
   window_.restart(last);
   outstanding_.clear();
   wire_free_t_ = 0;
+  wire_is_faster_ = false;
   held_ = question_due_ = doubt_ = asked_in_silence_ = false;
   questions_ = 0;
   waits_ = 0;
@@ -80,7 +83,7 @@ bool Link::packing_due() const noexcept {
 }
 
 double Link::rest_until() const noexcept {
-  if (!window_.waiting() || window_.draining() || window_.throttled()) return 0;
+  if (wire_is_faster_ || !window_.waiting() || window_.draining() || window_.throttled()) return 0;
   const double most = kMostLead * window_.limit_bytes() * byte_s_;
   return wire_free_t_ - std::min(kLeastLead_s + lateness_s_, most);
 }
@@ -106,6 +109,7 @@ void Link::send(std::string_view payload, Tag tag, double t) {
   outstanding_.push_back({number, tag});
   const std::string bytes = window_.send(payload);
   write(bytes, window_.packing() ? frame(number, payload) : bytes, t);
+  outstanding_.back().gone_t = wire_free_t_;
 }
 
 void Link::send_raw(std::string_view text, bool answered, double t) {
@@ -197,6 +201,7 @@ void Link::ask(double t) {
 std::optional<Tag> Link::take_acknowledged() {
   if (outstanding_.empty() || outstanding_.front().number > window_.acknowledged()) return {};
   const Tag tag = outstanding_.front().tag;
+  if (received_t_ + kClocksAgree_s < outstanding_.front().gone_t) wire_is_faster_ = true;
   ++quiet_lines_;
   outstanding_.pop_front();
   return tag;

@@ -103,6 +103,7 @@ class Link {
   struct Outstanding {
     std::uint32_t number = 0;
     Tag tag;
+    double gone_t = 0;  ///< when its last byte has gone, at the wire's pace
   };
   void write(std::string_view bytes, std::string_view shown, double t);
   void stop_packing();
@@ -121,6 +122,8 @@ class Link {
   std::deque<Outstanding> outstanding_;
   double round_trip_s_ = 0;
   double wire_free_t_ = 0;  ///< when the last byte written has gone, at the wire's pace
+  /// An ok came before its line could have gone at the named rate: USB without a wire behind it, or a pty.
+  bool wire_is_faster_ = false;
   double lateness_s_ = 0;   ///< no longer than that this thread awakes late, mostly
   double received_t_ = 0;
   double progress_t_ = 0;
