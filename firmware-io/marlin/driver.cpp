@@ -107,7 +107,9 @@ void Driver::dispatch_ready(const Reply& reply, double t) {
     on_action(*action, t);
   } else if (const auto* echo = std::get_if<Echo>(&reply)) {
     if (queries_unanswered_ == 0) emit(Message{echo->text});
-    if (job_ && echo->text.starts_with("Unknown command")) ++unknown_commands_;
+    const bool odd =
+        echo->text.starts_with("Unknown command") || echo->text.starts_with("too long extrusion");
+    if (job_ && odd) ++odd_commands_;
     // From here on the print lacks filament: a person decides whether it is worth going on.
     if (job_ && echo->text.find("extrusion prevented") != std::string::npos) job_->pause(true, echo->text);
   } else if (const auto* other = std::get_if<Other>(&reply)) {
@@ -330,7 +332,7 @@ void Driver::poll_temperature(double t) {
 LinkStats Driver::link_stats() const {
   const Window& window = link_.window();
   return {link_.lines_sent(), window.resend_requests(), link_.bytes_sent(), window.limit_bytes(),
-          window.doubtful_requests() + window.nameless_oks() + unknown_commands_};
+          window.doubtful_requests() + window.nameless_oks() + odd_commands_};
 }
 
 void Driver::report_stats() {

@@ -136,9 +136,9 @@ class Driver final : public Dialogue {
   LinkStats before_print_;  ///< the link's counters when the print began
   std::uint64_t doubtful_seen_ = 0;
   std::uint64_t nameless_seen_ = 0;
-  std::uint64_t unknown_commands_ = 0;
-  bool printer_waits_ = false;  ///< it said so; paused until its next ok
-  std::string prompt_;          ///< a question as far as it was heard
+  std::uint64_t odd_commands_ = 0;  ///< unknown, or beyond reason: damage that no checksum showed
+  bool printer_waits_ = false;      ///< it said so; paused until its next ok
+  std::string prompt_;              ///< a question as far as it was heard
   int prompt_choices_ = 0;
 };
 

@@ -123,6 +123,7 @@ void Driver::ask_packing(double t) {
   if (phase_ != Phase::packing) packing_asked_ = 0;
   if (!options_.meatpack || !offers("MEATPACK")) return become_ready(t);
   packed_once_ = true;
+  link_.packing_tried();
   link_.output() += kPackingOff;
   if (packing_asked_++ == kPackingQuestions) return become_ready(t);
   link_.output() += kPackingOn;

@@ -45,6 +45,9 @@ constexpr int kOksToForget = 64;
 constexpr double kAskAgain = 10;
 constexpr int kMostQuestions = 2;
 
+// A bare ok may be one of so many too many; the next is then not the long line's own either.
+constexpr int kOksThatMeanDone = 16;
+
 }  // namespace
 
 Link::Link(WindowOptions options, Timing timing, double byte_s, const Clock& stamp, FlightRecorder& recorder)
@@ -58,6 +61,7 @@ Link::Link(WindowOptions options, Timing timing, double byte_s, const Clock& sta
 void Link::restart(std::uint32_t last) {
   window_.restart(last);
   outstanding_.clear();
+  long_number_ = 0;
   wire_free_t_ = 0;
   wire_is_faster_ = false;
   held_ = question_due_ = doubt_ = asked_in_silence_ = false;
@@ -107,6 +111,7 @@ void Link::write(std::string_view bytes, std::string_view shown, double t) {
 void Link::send(std::string_view payload, Tag tag, double t) {
   const std::uint32_t number = window_.next_number();
   outstanding_.push_back({number, tag});
+  if (tag.is_long) long_number_ = number, oks_past_long_ = 0;
   const std::string bytes = window_.send(payload);
   write(bytes, window_.packing() ? frame(number, payload) : bytes, t);
   outstanding_.back().gone_t = wire_free_t_;
@@ -136,6 +141,7 @@ void Link::on_reply(const Reply& reply, double t) {
     const std::uint64_t lost = window_.lost_oks();
     window_.on_ok(ok->line, ok->queue_free, !ok->sensors.empty());
     note_ok(!ok->sensors.empty(), window_.lost_oks() - lost, t);
+    note_length_done(*ok);
   } else if (const auto* resend = std::get_if<Resend>(&reply)) {
     window_.on_resend(resend->line);
     note_progress(t);
@@ -171,6 +177,13 @@ void Link::note_ok(bool temperatures, std::uint64_t lost, double t) {
     oks_since_ = 0;
   }
   asked_in_silence_ = false;
+}
+
+// Acknowledged is not done: an ok that came twice may have stood for the long line.
+void Link::note_length_done(const Ok& ok) noexcept {
+  if (long_number_ == 0 || window_.acknowledged() < long_number_) return;
+  const bool sure = !ok.sensors.empty() || (ok.line && *ok.line >= long_number_);
+  if (sure || ++oks_past_long_ >= kOksThatMeanDone) long_number_ = 0;
 }
 
 double Link::ask_at() const {
@@ -221,7 +234,7 @@ bool Link::long_outstanding() const noexcept {
 double Link::stall_after_s() const noexcept {
   if (window_.probe_was_answered()) return timing_.probe_s;
   // A long command is probed once, in case its ok was lost, and then left alone.
-  if (!busy_seen_ && window_.stalls() > 0 && long_outstanding()) return timing_.long_silence_s;
+  if (!busy_seen_ && window_.stalls() > 0 && may_be_at_length()) return timing_.long_silence_s;
   return busy_seen_ ? timing_.busy_silence_s : timing_.silence_s;
 }
 
@@ -248,7 +261,7 @@ void Link::elapsed(double t) {
     silent_since_t_ = t;
   }
   if (t >= progress_t_ + stall_after_s()) {
-    window_.on_stall(!long_outstanding());
+    window_.on_stall(!may_be_at_length());
     if (window_.stalls() > 1) stop_packing();
     progress_t_ = t;
   }

@@ -52,6 +52,8 @@ class Link {
   /// A request or a stall ended the packing: damage that no checksum shows is likelier in packed lines. True
   /// when so many lines have gone well since that it may be tried again.
   bool packing_due() const noexcept;
+  /// The firmware was told to unpack, and may have heard it whatever it answers.
+  void packing_tried() noexcept { packed_once_ = true; }
   /// It was tried and not answered.
   void packing_failed() noexcept { quiet_lines_ = 0; }
   /// After all was forgotten: nothing is packed.
@@ -108,6 +110,8 @@ class Link {
   void write(std::string_view bytes, std::string_view shown, double t);
   void stop_packing();
   bool long_outstanding() const noexcept;
+  bool may_be_at_length() const noexcept { return long_number_ > 0; }
+  void note_length_done(const Ok& ok) noexcept;
   double stall_after_s() const noexcept;
   double quiet_after_s() const noexcept;
   double ask_at() const;
@@ -120,11 +124,13 @@ class Link {
   FlightRecorder& recorder_;
   std::string output_;
   std::deque<Outstanding> outstanding_;
+  std::uint32_t long_number_ = 0;  ///< the last long line, until it is surely done; its ok may be another's
+  int oks_past_long_ = 0;
   double round_trip_s_ = 0;
   double wire_free_t_ = 0;  ///< when the last byte written has gone, at the wire's pace
   /// An ok came before its line could have gone at the named rate: USB without a wire behind it, or a pty.
   bool wire_is_faster_ = false;
-  double lateness_s_ = 0;   ///< no longer than that this thread awakes late, mostly
+  double lateness_s_ = 0;  ///< no longer than that this thread awakes late, mostly
   double received_t_ = 0;
   double progress_t_ = 0;
   double patience_t_ = 0;

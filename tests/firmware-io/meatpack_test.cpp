@@ -114,11 +114,12 @@ TEST_CASE("packing can be declined, and is given up when the firmware does not a
   CHECK(of_the_file(bench.log) == std::vector<std::string>{"G28", "G1 X1 Y1"});
 }
 
-TEST_CASE("damage to packed lines is repaired, lines go plain for a while and then packed again", "[meatpack]") {
+TEST_CASE("damage to packed lines is repaired, lines go plain for a while and then packed again",
+          "[meatpack]") {
   const auto file = moves(2500);
   int exact = 0;
-  for (const auto kind : {mock::FaultKind::kFlipByte, mock::FaultKind::kDropByte, mock::FaultKind::kDoubleByte,
-                          mock::FaultKind::kInsertByte}) {
+  for (const auto kind : {mock::FaultKind::kFlipByte, mock::FaultKind::kDropByte,
+                          mock::FaultKind::kDoubleByte, mock::FaultKind::kInsertByte}) {
     for (const double at : {3000, 3005}) {
       mock::Options options =
           mock::make_mock().meatpack().instant_moves().baud(115200).round_trip(0.001).build();

@@ -47,6 +47,13 @@ class MockBench {
   void print(std::vector<std::string> lines) {
     driver.print(std::make_unique<MemorySource>(std::move(lines)), t());
   }
+  bool connected() const {
+    bool is = false;
+    for (const fw::Event& event : events)
+      is = std::holds_alternative<fw::Connected>(event.what) ||
+           (is && !std::holds_alternative<fw::Disconnected>(event.what));
+    return is;
+  }
   bool over() const {
     return count<fw::PrintFinished>() + count<fw::PrintFailed>() + count<fw::PrintCancelled>() > 0;
   }
@@ -70,10 +77,11 @@ class MockBench {
   mock::MockMarlin printer;
   fw::marlin::Driver driver;
   std::vector<fw::Event> events;
-  std::vector<std::string> log;                       ///< what the printer executed, in order
-  std::function<void(const std::string&)> on_output;  ///< what the driver writes
-  std::function<void(const std::string&)> on_input;   ///< what it reads
-  double read_every_s = 0;                            ///< a host too busy to read more often
+  std::vector<std::string> log;                        ///< what the printer executed, in order
+  std::function<void(const std::string&)> on_output;   ///< what the driver writes
+  std::function<std::string(std::string)> to_printer;  ///< damages it
+  std::function<void(const std::string&)> on_input;    ///< what it reads
+  double read_every_s = 0;                             ///< a host too busy to read more often
 
  private:
   static constexpr double kStart = 1000;
@@ -91,7 +99,8 @@ class MockBench {
   void step() {
     if (!driver.output().empty()) {
       if (on_output) on_output(driver.output());
-      printer.feed(std::exchange(driver.output(), {}));
+      const std::string said = std::exchange(driver.output(), {});
+      printer.feed(to_printer ? to_printer(said) : said);
     }
     if (unplugged_until_ > 0 && t() >= unplugged_until_) plug();
     if (driver.closing() && unplugged_until_ == 0) unplugged_until_ = t() + kReopen_s;

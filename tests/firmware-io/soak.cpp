@@ -17,6 +17,8 @@ using mock::FaultKind;
 using mock::FaultTrigger;
 
 constexpr double kLongest_s = 3 * 3600;
+// Where a print waits for a person, one comes after so long and lets it go on.
+constexpr double kPersonComes_s = 60;
 
 /// Dice that fall the same on every machine.
 class Dice {
@@ -206,6 +208,25 @@ std::vector<std::string> of_file(const std::vector<std::string>& lines) {
   return out;
 }
 
+// Until the print is over, or three hours have passed.
+bool see_through(MockBench& bench, SoakPrint& print) {
+  double comes = 0;
+  return bench.run_until(
+      [&] {
+        if (bench.count<fw::Paused>() == bench.count<fw::Resumed>()) {
+          comes = 0;
+        } else if (comes == 0) {
+          comes = bench.t() + kPersonComes_s;
+          const auto* paused = bench.find<fw::Paused>(print.pauses++);
+          if (paused && paused->reason.empty()) print.violation = "paused without a reason";
+        } else if (bench.t() >= comes) {
+          bench.driver.resume(bench.t());
+        }
+        return bench.over();
+      },
+      kLongest_s);
+}
+
 SoakPrint play(const mock::Options& options, std::vector<std::string> file, double read_every_s,
                std::string what, const SoakTrace& trace) {
   SoakPrint print;
@@ -228,7 +249,7 @@ SoakPrint play(const mock::Options& options, std::vector<std::string> file, doub
     last_s = bench.printer.now();
   });
   bench.read_every_s = read_every_s;
-  const auto ready = [&] { return bench.count<fw::Connected>() > bench.count<fw::Disconnected>(); };
+  const auto ready = [&] { return bench.connected(); };
   if (!bench.run_until(ready, 600)) {
     print.ended = bench.count<fw::Disconnected>() > 0;
     print.reason = "never connected";
@@ -239,7 +260,7 @@ SoakPrint play(const mock::Options& options, std::vector<std::string> file, doub
   const int before = witness.invisible;
   printing = true;
   bench.print(file);
-  print.ended = bench.run_until([&] { return bench.over(); }, kLongest_s);
+  print.ended = see_through(bench, print);
   printing = false;
   print.finished = bench.count<fw::PrintFinished>() > 0;
   if (const auto* failed = bench.find<fw::PrintFailed>()) print.reason = failed->reason;
@@ -247,7 +268,7 @@ SoakPrint play(const mock::Options& options, std::vector<std::string> file, doub
     print.noticed = stats->doubts > 0;
   print.invisible = witness.invisible - before;
   print.resends = bench.printer.statistics().resends;
-  print.violation = witness.violation;
+  if (!witness.violation.empty()) print.violation = witness.violation;
   file = of_file(file);
   const auto sent = of_file(witness.lines), taken = of_file(witness.taken);
   const auto is_prefix = [&](const std::vector<std::string>& part) {

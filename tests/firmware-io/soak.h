@@ -18,6 +18,7 @@ struct SoakPrint {
   /// Lines the firmware obeyed though damage had made them something else, which its checks cannot see.
   int invisible = 0;
   bool noticed = false;  ///< by the host, in its record
+  int pauses = 0;        ///< until a person came, who let it go on
   double longest_gap_s = 0;
   std::uint64_t resends = 0;
 };

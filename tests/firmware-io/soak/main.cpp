@@ -6,8 +6,12 @@
 #include <cstdlib>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace {
+
+// Endings so rare are named with their seeds.
+constexpr std::size_t kFew = 20;
 
 void show(double s, char who, std::string_view bytes) {
   std::printf("%.4f %c ", s, who);
@@ -34,25 +38,32 @@ int main(int argc, char** argv) {
   }
   const std::uint64_t count = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 10000;
   const std::uint64_t first = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
-  std::uint64_t finished = 0, violations = 0, invisible = 0, noticed = 0, resends = 0;
-  std::map<std::string, int> reasons;
+  std::uint64_t finished = 0, paused = 0, violations = 0, invisible = 0, noticed = 0, resends = 0;
+  std::map<std::string, std::vector<std::uint64_t>> reasons;
   for (std::uint64_t seed = first; seed < first + count; ++seed) {
     const SoakPrint print = soak_print(seed);
     finished += print.finished ? 1u : 0u;
     resends += print.resends;
     if (print.invisible > 0) ++invisible, noticed += print.noticed || !print.finished ? 1u : 0u;
-    if (!print.finished) ++reasons[print.reason];
+    paused += print.pauses > 0 ? 1u : 0u;
+    if (!print.finished) reasons[print.reason].push_back(seed);
     if (!print.violation.empty()) {
       ++violations;
       std::printf("VIOLATION %s: %s (%s)\n", print.what.c_str(), print.violation.c_str(),
                   print.reason.c_str());
     }
   }
-  std::printf("%llu prints: %llu finished, %llu violations, %llu resend requests\n",
+  std::printf("%llu prints: %llu finished, %llu violations, %llu resend requests, %llu waited for a person\n",
               static_cast<unsigned long long>(count), static_cast<unsigned long long>(finished),
-              static_cast<unsigned long long>(violations), static_cast<unsigned long long>(resends));
+              static_cast<unsigned long long>(violations), static_cast<unsigned long long>(resends),
+              static_cast<unsigned long long>(paused));
   std::printf("%llu with damage the firmware could not see, noticed in %llu\n",
               static_cast<unsigned long long>(invisible), static_cast<unsigned long long>(noticed));
-  for (const auto& [reason, n] : reasons) std::printf("%6d  %s\n", n, reason.c_str());
+  for (const auto& [reason, seeds] : reasons) {
+    std::printf("%6zu  %s", seeds.size(), reason.c_str());
+    for (std::size_t i = 0; i < seeds.size() && seeds.size() <= kFew; ++i)
+      std::printf("%s %llu", i == 0 ? ":" : "", static_cast<unsigned long long>(seeds[i]));
+    std::putchar('\n');
+  }
   return violations == 0 ? 0 : 1;
 }
