@@ -19,6 +19,8 @@ constexpr std::size_t kEdgeDirections = 4;
 /// Distance of the lines a direction is judged by: at most this, and at least this many across, mm.
 constexpr double kProbeMm = 1.0;
 constexpr double kProbesAcross = 6.0;
+/// Slivers are judged by lines no closer than this, mm.
+constexpr double kLeastProbeMm = 0.02;
 /// Share of a bridge's length that must hang between two held ends.
 constexpr double kMinAnchoredShare = 0.7;
 /// Directions whose anchored shares differ by less are equal; the shorter span wins.
@@ -76,7 +78,7 @@ BridgeArea plan_bridge(const geom::Region& hanging, const geom::Regions& below, 
   const auto box = geom::bounds(hanging.outer);
   if (!box || below.empty()) return out;
   const double size = geom::to_mm(std::min(box->max.x - box->min.x, box->max.y - box->min.y));
-  const double probe = std::min(kProbeMm, size / kProbesAcross);
+  const double probe = std::clamp(size / kProbesAcross, kLeastProbeMm, kProbeMm);
   std::vector<double> directions = edge_directions(hanging.outer);
   for (int i = 0; i < kDirections; ++i) directions.push_back(pi * i / kDirections);
   const geom::AreaGrid grid(below);

@@ -23,8 +23,10 @@ constexpr std::size_t kDirections = 12;
 constexpr std::size_t kLeastTurn = 3;
 /// Lines judged by are this many spacings apart...
 constexpr double kProbeSpacings = 8.0;
-/// ...but this many lie across an area at least.
+/// ...but this many lie across an area at least,
 constexpr double kProbesAcross = 6.0;
+/// unless they came closer than this many spacings: a sliver of a nanometre would ask for millions of them.
+constexpr double kLeastProbeSpacings = 0.5;
 /// Without an acceleration in the settings the printer's own counts; this stands for it, mm/s².
 constexpr double kUsualAcceleration = 1000.0;
 
@@ -105,8 +107,7 @@ double seconds_of_lines(const geom::Regions& area, double angle_rad, double spac
     if (!box) continue;
     const double size = geom::to_mm(std::min(box->max.x - box->min.x, box->max.y - box->min.y));
     const double probe =
-        std::clamp(size / kProbesAcross, std::min(0.5 * spacing_mm, size), kProbeSpacings * spacing_mm);
-    if (probe <= 0) continue;
+        std::clamp(size / kProbesAcross, kLeastProbeSpacings * spacing_mm, kProbeSpacings * spacing_mm);
     double seconds = 0, length = 0;
     for (const auto& line : hatch({region}, {angle_rad, probe, true, 0}).lines) {
       const double mm = geom::length(line) / geom::kNmPerMm;

@@ -1,5 +1,6 @@
 #include "tests/fidelity/beads.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -13,6 +14,13 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 /// Moves shorter than the last written digit say nothing about a width, mm.
 constexpr double kLeastLength = 0.01;
+
+/// Arcs are looked at in pieces this long, mm.
+constexpr double kArcPiece = 0.2;
+/// Start and end of an arc may differ by this much in radius: the digits of its coordinates, mm.
+constexpr double kArcError = 0.005;
+/// An arc that turns by less than this goes all the way round.
+constexpr double kNoTurn = 1e-9;
 
 std::optional<double> number(const std::string& text) {
   double v = 0;
@@ -93,14 +101,37 @@ class Interpreter {
     if (name == "M83") relative_ = true;
     if (name == "M82") relative_ = false;
     if (name == "G92" && get('E')) e_ = *get('E');
-    if (name == "G2" || name == "G3") complain("arcs are not checked");
-    if (name != "G0" && name != "G1") return;
+    const bool arc = name == "G2" || name == "G3";
+    if (name != "G0" && name != "G1" && !arc) return;
+    if (arc && !get('I') && !get('J')) return complain("an arc without its centre");
     const double x = get('X').value_or(x_), y = get('Y').value_or(y_);
     const double e = get('E') ? (relative_ ? *get('E') : *get('E') - e_) : 0;
     if (!relative_ && get('E')) e_ = *get('E');
-    if (!print_.layers.empty() && e > 0 && (get('X') || get('Y'))) strand(x, y, e * area_);
+    const bool lays = !print_.layers.empty() && e > 0 && (get('X') || get('Y') || arc);
+    if (lays && arc)
+      curve(x, y, x_ + get('I').value_or(0), y_ + get('J').value_or(0), name == "G2", e * area_);
+    else if (lays)
+      strand(x, y, e * area_);
     if (!std::isfinite(x) || !std::isfinite(y)) complain("a coordinate is no number");
     x_ = x, y_ = y;
+  }
+
+  /// An arc as short straight pieces.
+  void curve(double x, double y, double cx, double cy, bool clockwise, double volume) {
+    const double r0 = std::hypot(x_ - cx, y_ - cy), r1 = std::hypot(x - cx, y - cy);
+    if (std::abs(r0 - r1) > kArcError) complain("an arc that ends on another radius than it begins");
+    const double from = std::atan2(y_ - cy, x_ - cx);
+    double turn = std::atan2(y - cy, x - cx) - from;
+    if (clockwise && turn >= -kNoTurn) turn -= 2 * kPi;
+    if (!clockwise && turn <= kNoTurn) turn += 2 * kPi;
+    const int n = std::max(1, static_cast<int>(std::ceil(std::abs(turn) * std::max(r0 / kArcPiece, 6.0))));
+    for (int k = 1; k <= n; ++k) {
+      const double share = static_cast<double>(k) / n;
+      const double r = r0 + (r1 - r0) * share, a = from + turn * share;
+      const double px = k == n ? x : cx + r * std::cos(a), py = k == n ? y : cy + r * std::sin(a);
+      strand(px, py, volume / n);
+      x_ = px, y_ = py;
+    }
   }
 
   void strand(double x, double y, double volume) {

@@ -22,6 +22,8 @@ constexpr double kAreaShare = 0.005;
 constexpr double kBorderShare = 1.0;
 /// Walls thinner than this are printed this wide, mm.
 constexpr double kThinnestBead = 0.3;
+/// Distances up to this many pixels are looked up one by one.
+constexpr int kNearPixels = 4;
 /// Digits of the cut heights, mm.
 constexpr double kCutError = 1e-5;
 /// How many layers down support may lie below what it holds, beyond its gap.
@@ -128,10 +130,19 @@ class Checker {
     }
   }
 
+  /// Whether a corner lies in the height of the cut.
+  bool grazed(const std::vector<std::uint32_t>& triangles, double z) const {
+    for (const std::uint32_t t : triangles)
+      for (const auto v : mesh_.triangles[t])
+        if (std::abs(mesh_.vertices[v].z() - z) <= kCutError) return true;
+    return false;
+  }
+
   Section section_of(std::size_t i) const {
     if (i >= print_.layers.size()) return {Mask(grid_.count(), 0), Mask(grid_.count(), 0)};
     const double z = cut(print_.layers[i]);
     Mask low = fill(section(mesh_, by_layer_[i], z - kCutError), grid_);
+    if (!grazed(by_layer_[i], z)) return {low, low};
     Mask high = fill(section(mesh_, by_layer_[i], z + kCutError), grid_);
     if (low == high) return {low, std::move(high)};
     Mask most = low;
@@ -174,15 +185,24 @@ class Checker {
   /// Where the part is thinner than the thinnest bead, that bead reaches out on both sides and must: there
   /// the distance counts from where it would end on the thin wall's other side.
   void outside(std::size_t i, const Seen& now) {
-    if (count(without(now.part, now.section.most)) == 0) return;
-    const auto d = distance_to(now.section.most, grid_);
-    const Mask wide =
-        grown(shrunk(now.section.most, grid_, 0.5 * kThinnestBead), grid_, 0.5 * kThinnestBead + grid_.size);
-    const auto to_wide = distance_to(wide, grid_);
-    for (std::size_t p = 0; p < d.size(); ++p) {
-      if (now.part[p] == 0 || now.section.most[p] != 0) continue;
-      const bool thin = to_wide[p] > d[p] + static_cast<float>(2 * grid_.size);
-      note_pixel(found_.outside, static_cast<double>(d[p]) - (thin ? 0.5 * kThinnestBead : 0), i, p);
+    std::vector<float> far, to_wide;  // made when first wanted
+    const Mask& section = now.section.most;
+    for (std::size_t p = 0; p < section.size(); ++p) {
+      if (now.part[p] == 0 || section[p] != 0) continue;
+      double d = 0;
+      if (const auto close = near(section, grid_, p, kNearPixels)) {
+        d = *close;
+      } else {
+        if (far.empty()) far = distance_to(section, grid_);
+        d = static_cast<double>(far[p]);
+      }
+      if (d <= found_.outside.value) continue;
+      if (to_wide.empty())
+        to_wide = distance_to(
+            grown(shrunk(section, grid_, 0.5 * kThinnestBead), grid_, 0.5 * kThinnestBead + grid_.size),
+            grid_);
+      const bool thin = static_cast<double>(to_wide[p]) > d + 2 * grid_.size;
+      note_pixel(found_.outside, d - (thin ? 0.5 * kThinnestBead : 0), i, p);
     }
   }
 
@@ -204,51 +224,69 @@ class Checker {
 
   /// What of this layer the other one leaves open must be closed, a line width from its border on.
   void surface(std::size_t i, const Seen& now, const Mask& other, Worst& worst) {
-    const Mask open = without(now.section.least, other);
-    if (count(open) == 0) return;
-    const Mask bare = without(shrunk(open, grid_, rules_.line_width), now.part);
+    const Window all = cropped(without(now.section.least, other), grid_, 0);
+    if (all.mask.empty()) return;
+    const double by = rules_.line_width / grid_.size;
+    // Most of what is open is a narrow strip along the border.
+    const Mask wide = shrunk_square(all.mask, all.grid, static_cast<int>(by / std::numbers::sqrt2));
+    const Window core = cropped(wide, all.grid, static_cast<int>(by) + 2);
+    if (core.mask.empty()) return;
+    const Mask open = core.same(all.mask, all.grid);
+    const Mask part = core.same(all.same(now.part, grid_), all.grid);
+    // At the window's edge only what the square left is to be believed.
+    const Mask inner = both(core.mask, shrunk(open, core.grid, rules_.line_width));
+    const Mask bare = without(inner, part);
     if (count(bare) == 0) return;
     Mask inverse(bare.size());
     for (std::size_t p = 0; p < bare.size(); ++p) inverse[p] = bare[p] == 0;
-    const auto depth = distance_to(inverse, grid_);
+    const auto depth = distance_to(inverse, core.grid);
     for (std::size_t p = 0; p < bare.size(); ++p)
-      if (bare[p] != 0) note_pixel(worst, static_cast<double>(depth[p]), i, p);
+      if (bare[p] != 0)
+        note_pixel(worst, static_cast<double>(depth[p]), i, all.whole(core.whole(p, all.grid), grid_));
   }
 
-  Mask held_mask(std::size_t i) const {
-    const Layer& l = print_.layers[i];
-    const double bottom = l.top - l.height;
-    const double lean = std::max(l.height * std::tan(rules_.support_angle_deg * std::numbers::pi / 180),
-                                 0.25 * rules_.line_width) +
-                        grid_.size;
-    const Seen& under = below_.back();
-    const auto d = distance_to(under.part, grid_);
-    if (bottom <= rules_.support_z_gap + l.height + kCutError) return Mask(grid_.count(), 1);
-    const double sparse = rules_.line_width / std::max(rules_.infill_density, 0.02);
-    Mask out(grid_.count());
-    for (std::size_t p = 0; p < out.size(); ++p)
-      out[p] = static_cast<double>(d[p]) <= (under.section.most[p] != 0 ? std::max(sparse, lean) : lean);
-    const double between = 0.6 * rules_.line_width / std::max(rules_.support_density, 0.02) + grid_.size;
-    Mask support(grid_.count(), 0);
-    bool any = false;
-    for (const Seen& s : below_) {
-      if (s.top > bottom - rules_.support_z_gap + 1e-6) continue;
-      if (s.top < bottom - rules_.support_z_gap - 2 * l.height) continue;
-      for (std::size_t p = 0; p < support.size(); ++p)
-        if (s.support[p] != 0) support[p] = 1, any = true;
+  /// What lies under a layer: whether a strand of it has something to lie on.
+  class Ground {
+   public:
+    Ground(const Checker& c, std::size_t i)
+        : rules_(c.rules_), grid_(c.grid_), under_(c.below_.back()), part_(under_.part, c.grid_) {
+      const Layer& l = c.print_.layers[i];
+      const double bottom = l.top - l.height;
+      lean_ = std::max(l.height * std::tan(rules_.support_angle_deg * std::numbers::pi / 180),
+                       0.25 * rules_.line_width) +
+              grid_.size;
+      sparse_ = std::max(rules_.line_width / std::max(rules_.infill_density, 0.02), lean_);
+      between_ = 0.6 * rules_.line_width / std::max(rules_.support_density, 0.02) + grid_.size;
+      on_plate_ = bottom <= rules_.support_z_gap + l.height + kCutError;
+      for (const Seen& s : c.below_) {
+        if (s.top > bottom - rules_.support_z_gap + 1e-6) continue;
+        if (s.top < bottom - rules_.support_z_gap - 2 * l.height) continue;
+        if (held_up_.empty()) held_up_.assign(grid_.count(), 0);
+        for (std::size_t p = 0; p < held_up_.size(); ++p) held_up_[p] |= s.support[p];
+      }
+      if (!held_up_.empty()) support_.emplace(held_up_, grid_);
     }
-    if (!any) return out;
-    const auto to_support = distance_to(support, grid_);
-    for (std::size_t p = 0; p < out.size(); ++p)
-      if (static_cast<double>(to_support[p]) <= between) out[p] = 1;
-    return out;
-  }
 
-  bool on(const Mask& mask, double x, double y) const {
-    const int i = static_cast<int>(std::floor((x - grid_.x0) / grid_.size));
-    const int j = static_cast<int>(std::floor((y - grid_.y0) / grid_.size));
-    return i >= 0 && j >= 0 && i < grid_.nx && j < grid_.ny && mask[grid_.at(i, j)] != 0;
-  }
+    bool holds(double x, double y) {
+      if (on_plate_) return true;
+      const int i = static_cast<int>(std::floor((x - grid_.x0) / grid_.size));
+      const int j = static_cast<int>(std::floor((y - grid_.y0) / grid_.size));
+      if (i < 0 || j < 0 || i >= grid_.nx || j >= grid_.ny) return false;
+      const std::size_t p = grid_.at(i, j);
+      if (part_.within(p, under_.section.most[p] != 0 ? sparse_ : lean_)) return true;
+      return support_.has_value() && support_->within(p, between_);
+    }
+
+   private:
+    const Rules& rules_;
+    const Grid& grid_;
+    const Seen& under_;
+    Nearby part_;
+    Mask held_up_;  ///< by support a gap below
+    std::optional<Nearby> support_;
+    double lean_ = 0, sparse_ = 0, between_ = 0;
+    bool on_plate_ = false;
+  };
 
   struct Run {
     double length = 0, unannounced = 0;
@@ -257,7 +295,7 @@ class Checker {
   };
 
   void held(std::size_t i, const Seen&) {
-    const Mask mask = held_mask(i);
+    Ground ground(*this, i);
     const Layer& l = print_.layers[i];
     std::optional<Run> run;
     const Bead* before = nullptr;
@@ -286,7 +324,7 @@ class Checker {
       for (int k = 0; k < n; ++k) {
         const double t = (k + 0.5) / n;
         const double x = b.x0 + t * (b.x1 - b.x0), y = b.y0 + t * (b.y1 - b.y0);
-        if (on(mask, x, y)) {
+        if (ground.holds(x, y)) {
           close(false);
           continue;
         }

@@ -8,17 +8,19 @@ namespace voidpath::fidelity {
 
 namespace {
 
-/// One pass of the squared distance transform along a line of n values, `step` apart (Felzenszwalb and
-/// Huttenlocher 2012, Distance Transforms of Sampled Functions, Alg. 1). Pixels.
-class LinePass {
- public:
-  explicit LinePass(int n) : f_(size(n)), z_(size(n) + 1), v_(size(n)) {}
+constexpr float kFar = 1e12F;
 
-  void run(float* values, int n, std::size_t step) {
-    for (int q = 0; q < n; ++q) f_[size(q)] = values[size(q) * step];
+/// Squared distances along a row whose values are those in each column alone (Felzenszwalb and Huttenlocher
+/// 2012, Distance Transforms of Sampled Functions, Alg. 1). Pixels.
+class RowPass {
+ public:
+  explicit RowPass(int n) : f_(size(n)), z_(size(n) + 1), v_(size(n)) {}
+
+  void run(float* values, int n) {
     int k = -1;
     for (int q = 0; q < n; ++q) {
-      if (f_[size(q)] >= kFar) continue;
+      f_[size(q)] = values[q];
+      if (values[q] >= kFar) continue;
       double s = -std::numeric_limits<double>::infinity();
       while (k >= 0) {
         const int p = v_[size(k)];
@@ -36,11 +38,9 @@ class LinePass {
     for (int q = 0, at = 0; q < n; ++q) {
       while (z_[size(at) + 1] < q) ++at;
       const int p = v_[size(at)];
-      values[size(q) * step] = static_cast<float>(square(q - p) + f_[size(p)]);
+      values[q] = static_cast<float>(square(q - p) + f_[size(p)]);
     }
   }
-
-  static constexpr float kFar = 1e12F;
 
  private:
   static std::size_t size(int i) { return static_cast<std::size_t>(i); }
@@ -49,11 +49,12 @@ class LinePass {
   std::vector<int> v_;
 };
 
-template <class F>
-Mask combined(const Mask& a, const Mask& b, F&& f) {
-  Mask out(a.size());
-  for (std::size_t i = 0; i < a.size(); ++i) out[i] = f(a[i], b[i]) ? 1 : 0;
-  return out;
+/// Distance in whole pixels to the nearest marked pixel of the same column, row after row.
+void column_pass(std::vector<float>& d, const Grid& grid) {
+  const auto nx = static_cast<std::size_t>(grid.nx);
+  for (std::size_t i = nx; i < d.size(); ++i) d[i] = std::min(d[i], d[i - nx] + 1);
+  for (std::size_t i = d.size() - nx; i-- > 0;) d[i] = std::min(d[i], d[i + nx] + 1);
+  for (float& v : d) v = v >= kFar ? kFar : v * v;
 }
 
 }  // namespace
@@ -126,12 +127,103 @@ Mask fill(const std::vector<Edge>& edges, const Grid& grid) {
 
 std::vector<float> distance_to(const Mask& mask, const Grid& grid) {
   std::vector<float> d(mask.size());
-  for (std::size_t i = 0; i < mask.size(); ++i) d[i] = mask[i] != 0 ? 0.0F : LinePass::kFar;
-  LinePass pass(std::max(grid.nx, grid.ny));
-  for (int i = 0; i < grid.nx; ++i) pass.run(&d[grid.at(i, 0)], grid.ny, static_cast<std::size_t>(grid.nx));
-  for (int j = 0; j < grid.ny; ++j) pass.run(&d[grid.at(0, j)], grid.nx, 1);
-  for (float& v : d) v = static_cast<float>(std::sqrt(static_cast<double>(v)) * grid.size);
+  for (std::size_t i = 0; i < mask.size(); ++i) d[i] = mask[i] != 0 ? 0.0F : kFar;
+  column_pass(d, grid);
+  RowPass pass(grid.nx);
+  for (int j = 0; j < grid.ny; ++j) pass.run(&d[grid.at(0, j)], grid.nx);
+  const auto size = static_cast<float>(grid.size);
+  for (float& v : d) v = std::sqrt(v) * size;
   return d;
+}
+
+Mask Window::same(const Mask& whole, const Grid& of) const {
+  Mask out(grid.count());
+  for (int j = 0; j < grid.ny; ++j) std::copy_n(&whole[of.at(i0, j0 + j)], grid.nx, &out[grid.at(0, j)]);
+  return out;
+}
+
+std::size_t Window::whole(std::size_t pixel, const Grid& of) const {
+  const auto nx = static_cast<std::size_t>(grid.nx);
+  return of.at(i0 + static_cast<int>(pixel % nx), j0 + static_cast<int>(pixel / nx));
+}
+
+Window cropped(const Mask& mask, const Grid& grid, int margin) {
+  Window out;
+  int i0 = grid.nx, i1 = -1, j0 = grid.ny, j1 = -1;
+  for (int j = 0; j < grid.ny; ++j) {
+    const std::uint8_t* row = &mask[grid.at(0, j)];
+    const auto* first = std::find(row, row + grid.nx, std::uint8_t{1});
+    if (first == row + grid.nx) continue;
+    int last = grid.nx - 1;
+    while (row[last] == 0) --last;
+    i0 = std::min(i0, static_cast<int>(first - row));
+    i1 = std::max(i1, last);
+    j0 = std::min(j0, j);
+    j1 = j;
+  }
+  if (j1 < 0) return out;
+  out.i0 = std::max(0, i0 - margin);
+  out.j0 = std::max(0, j0 - margin);
+  out.grid = grid;
+  out.grid.x0 += out.i0 * grid.size;
+  out.grid.y0 += out.j0 * grid.size;
+  out.grid.nx = std::min(grid.nx, i1 + margin + 1) - out.i0;
+  out.grid.ny = std::min(grid.ny, j1 + margin + 1) - out.j0;
+  out.mask = out.same(mask, grid);
+  return out;
+}
+
+Mask shrunk_square(const Mask& mask, const Grid& grid, int by) {
+  Mask rows(mask.size(), 0), out(mask.size(), 0);
+  for (int j = 0; j < grid.ny; ++j)
+    for (int i = 0, run = 0; i < grid.nx; ++i) {
+      run = mask[grid.at(i, j)] != 0 ? run + 1 : 0;
+      if (run > 2 * by) rows[grid.at(i - by, j)] = 1;
+    }
+  std::vector<int> run(static_cast<std::size_t>(grid.nx), 0);
+  for (int j = 0; j < grid.ny; ++j)
+    for (int i = 0; i < grid.nx; ++i) {
+      int& r = run[static_cast<std::size_t>(i)];
+      r = rows[grid.at(i, j)] != 0 ? r + 1 : 0;
+      if (r > 2 * by) out[grid.at(i, j - by)] = 1;
+    }
+  return out;
+}
+
+std::optional<double> near(const Mask& mask, const Grid& grid, std::size_t pixel, int reach) {
+  const auto nx = static_cast<std::size_t>(grid.nx);
+  const int x = static_cast<int>(pixel % nx), y = static_cast<int>(pixel / nx);
+  int best = reach * reach + 1;
+  for (int j = std::max(0, y - reach); j <= std::min(grid.ny - 1, y + reach); ++j)
+    for (int i = std::max(0, x - reach); i <= std::min(grid.nx - 1, x + reach); ++i)
+      if (mask[grid.at(i, j)] != 0) best = std::min(best, (i - x) * (i - x) + (j - y) * (j - y));
+  if (best > reach * reach) return std::nullopt;
+  return std::sqrt(static_cast<double>(best)) * grid.size;
+}
+
+Nearby::Nearby(const Mask& mask, const Grid& grid)
+    : mask_(mask), grid_(grid), nx_(grid.nx / kTile + 1), ny_(grid.ny / kTile + 1) {
+  tiles_.resize(static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_), 0);
+  for (int j = 0; j < grid.ny; ++j)
+    for (int i = 0; i < grid.nx; ++i) tiles_[tile(i / kTile, j / kTile)] |= mask[grid.at(i, j)];
+}
+
+bool Nearby::within(std::size_t pixel, double reach_mm) {
+  if (mask_[pixel] != 0) return true;
+  const double reach = reach_mm / grid_.size;
+  if (reach <= 2 * kTile) {
+    const auto d = near(mask_, grid_, pixel, static_cast<int>(reach));
+    return d.has_value() && *d <= reach_mm;
+  }
+  const auto nx = static_cast<std::size_t>(grid_.nx);
+  const int x = static_cast<int>(pixel % nx) / kTile, y = static_cast<int>(pixel / nx) / kTile;
+  // A tile that far away lies wholly within reach: its far corner is (rings + 1) tiles off, both ways.
+  const int rings = static_cast<int>(reach / std::sqrt(2.0) / kTile) - 1;
+  for (int j = std::max(0, y - rings); j <= std::min(ny_ - 1, y + rings); ++j)
+    for (int i = std::max(0, x - rings); i <= std::min(nx_ - 1, x + rings); ++i)
+      if (tiles_[tile(i, j)] != 0) return true;
+  if (far_.empty()) far_ = distance_to(mask_, grid_);
+  return static_cast<double>(far_[pixel]) <= reach_mm;
 }
 
 Mask grown(const Mask& mask, const Grid& grid, double by) {
@@ -150,10 +242,14 @@ Mask shrunk(const Mask& mask, const Grid& grid, double by) {
 }
 
 Mask both(const Mask& a, const Mask& b) {
-  return combined(a, b, [](auto x, auto y) { return x != 0 && y != 0; });
+  Mask out(a.size());
+  for (std::size_t i = 0; i < a.size(); ++i) out[i] = a[i] & b[i];
+  return out;
 }
 Mask without(const Mask& a, const Mask& b) {
-  return combined(a, b, [](auto x, auto y) { return x != 0 && y == 0; });
+  Mask out(a.size());
+  for (std::size_t i = 0; i < a.size(); ++i) out[i] = a[i] & (b[i] ^ 1u);
+  return out;
 }
 std::size_t count(const Mask& mask) {
   return static_cast<std::size_t>(std::count(mask.begin(), mask.end(), std::uint8_t{1}));

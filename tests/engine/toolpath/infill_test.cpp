@@ -164,6 +164,11 @@ TEST_CASE("the way lines run: as set, soonest for the part, soonest for each sol
   // 100 lines of 40 mm from rest to rest: 40 mm / 80 mm/s + 80 mm/s / 1000 mm/s² each.
   CHECK(toolpath::seconds_of_lines({rectangle(0, 0, 40, 45)}, 0, 0.45, 80, 1000) ==
         Approx(100 * (0.5 + 0.08)).epsilon(0.03));
+  // A sliver two nanometres wide is judged by lines as far apart as any: not by fifty million of them.
+  const geom::Regions sliver{{geom::make_rectangle({0, 0}, {from_mm(100), 2}), {}}};
+  const double across = toolpath::seconds_of_lines(sliver, std::numbers::pi / 2, 0.45, 80, 1000);
+  CHECK(std::isfinite(across));
+  CHECK(across < 1);
 
   auto s = bare_settings();
   std::vector<toolpath::Surfaces> layers(10);
