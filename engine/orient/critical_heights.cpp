@@ -11,17 +11,32 @@ namespace {
 
 /// Angles are compared by cosine; this much more is let in, for rounding.
 constexpr double kCosineNoise = 1e-12;
+/// What a product of unit vectors is off by in single precision, and some more.
+constexpr double kSingleNoise = 1e-6;
+
+/// Calls visit(i) for each of `exact` within the angle of d or -d. Nearly all are ruled out in single
+/// precision.
+template <class Visit>
+void each_along(const std::vector<Vec3>& exact, const NearColumns& near, const Vec3& d, double least,
+                const Visit& visit) {
+  const Lanes bound = Lanes{} + static_cast<float>(least - kSingleNoise);
+  for (std::size_t i = 0; i < near.padded(); i += NearColumns::kStep) {
+    const Lanes cosine = near.dot(i, d);
+    if (!any((cosine >= bound) | (-cosine >= bound))) continue;
+    const std::size_t end = std::min(i + NearColumns::kStep, exact.size());
+    for (std::size_t k = i; k < end; ++k)
+      if (std::abs(exact[k].dot(d)) >= least) visit(k);
+  }
+}
 
 void add_by_normals(const Solid& s, const Vec3& d, const std::vector<double>& h, double tolerance_deg,
                     std::vector<double>& out) {
   const double least = std::cos(tolerance_deg * std::numbers::pi / 180) - kCosineNoise;
-  for (std::size_t v = 0; v < s.vertices.size(); ++v)
-    if (std::abs(s.vertex_normals[v].dot(d)) >= least) out.push_back(h[v]);
-  for (std::size_t t = 0; t < s.triangles.size(); ++t)
-    if (std::abs(s.triangle_normals[t].dot(d)) >= least) {
-      const auto& [a, b, c] = s.triangles[t];
-      out.push_back((h[a] + h[b] + h[c]) / 3);
-    }
+  each_along(s.vertex_normals, s.vertex_normals_near, d, least, [&](std::size_t v) { out.push_back(h[v]); });
+  each_along(s.triangle_normals, s.triangle_normals_near, d, least, [&](std::size_t t) {
+    const auto& [a, b, c] = s.triangles[t];
+    out.push_back((h[a] + h[b] + h[c]) / 3);
+  });
 }
 
 /// Vertices whose link changes sign other than twice (Banchoff 1967). Equal heights are told apart by index.

@@ -47,8 +47,11 @@ void CrossSections::prepare(const Solid& solid, const Projection& p, const std::
   crossings_.clear();
   for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
     const auto& [a, b, c] = solid.triangles[t];
-    const Index from = std::min({rank_[a], rank_[b], rank_[c]});
-    const Index to = std::max({rank_[a], rank_[b], rank_[c]});
+    const Index ra = rank_[a];
+    const Index rb = rank_[b];
+    const Index rc = rank_[c];
+    const Index from = std::min(ra, std::min(rb, rc));
+    const Index to = std::max(ra, std::max(rb, rc));
     if (from == to) continue;
     crossings_.push_back({static_cast<Index>(t), from, to});
     for (Index i = from; i < to; ++i) ++count_[i];

@@ -22,10 +22,10 @@ double above_plate(const Projection& p, End end, Index v) {
 
 Contact find_contact(const Solid& solid, const Projection& p, End end, double depth) {
   Contact out;
-  for (const auto& t : solid.triangles) {
+  auto is_near = [&](Index v) { return above_plate(p, end, v) <= depth; };
+  auto add = [&](const mesh::Triangle& t) {
     const std::array<double, 3> h{above_plate(p, end, t[0]), above_plate(p, end, t[1]),
                                   above_plate(p, end, t[2])};
-    if (std::min({h[0], h[1], h[2]}) > depth) continue;
     // The part of the facet within the depth (Sutherland and Hodgman against one plane).
     std::array<Point2, 4> poly;
     std::size_t n = 0;
@@ -47,6 +47,14 @@ Contact find_contact(const Solid& solid, const Projection& p, End end, double de
     const double towards_plate = end == End::bottom ? -twice : twice;
     if (towards_plate > 0) out.area_mm2 += towards_plate / 2;
     out.points.insert(out.points.end(), poly.begin(), poly.begin() + static_cast<std::ptrdiff_t>(n));
+  };
+  for (Index v = 0; v < solid.vertices.size(); ++v) {
+    if (!is_near(v)) continue;
+    for (Index k = solid.first_facet_at[v]; k < solid.first_facet_at[v + 1]; ++k) {
+      const mesh::Triangle& t = solid.triangles[solid.facets_at[k]];
+      // Once each, at the first of its corners that is near.
+      if (std::none_of(t.begin(), t.end(), [&](Index u) { return u < v && is_near(u); })) add(t);
+    }
   }
   return out;
 }

@@ -4,11 +4,66 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <numeric>
 
 namespace voidpath::orient {
 
 namespace {
+
+/// Bits of a coordinate spread out so that two others' fit between. 10 bits.
+std::uint32_t spread_bits(std::uint32_t x) {
+  x = (x | x << 16U) & 0x030000FFU;
+  x = (x | x << 8U) & 0x0300F00FU;
+  x = (x | x << 4U) & 0x030C30C3U;
+  return (x | x << 2U) & 0x09249249U;
+}
+
+/// Orders points along a curve through the box around them that stays near where it is (Morton 1966).
+std::vector<Index> order_in_space(const std::vector<Vec3>& points) {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 high = -low;
+  for (const Vec3& p : points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const double size = std::max((high - low).maxCoeff(), std::numeric_limits<double>::min());
+  std::vector<std::uint64_t> keys(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Matrix<std::uint32_t, 3, 1> cell = ((points[i] - low) * (1023 / size)).cast<std::uint32_t>();
+    const std::uint32_t code =
+        spread_bits(cell.x()) | spread_bits(cell.y()) << 1U | spread_bits(cell.z()) << 2U;
+    keys[i] = std::uint64_t{code} << 32U | i;
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<Index> out(points.size());
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = static_cast<Index>(keys[i]);
+  return out;
+}
+
+/// Puts together in memory what lies together in space: looking at the part from any side then finds most of
+/// what it asks for at hand.
+void lay_out(Solid& s) {
+  const std::vector<Index> vertices = order_in_space(s.vertices);
+  std::vector<Index> now_at(vertices.size());
+  std::vector<Vec3> moved(vertices.size());
+  for (Index i = 0; i < vertices.size(); ++i) {
+    now_at[vertices[i]] = i;
+    moved[i] = s.vertices[vertices[i]];
+  }
+  s.vertices = std::move(moved);
+  std::vector<Vec3> middles;
+  middles.reserve(s.triangles.size());
+  for (mesh::Triangle& t : s.triangles) {
+    t = {now_at[t[0]], now_at[t[1]], now_at[t[2]]};
+    middles.push_back((s.vertices[t[0]] + s.vertices[t[1]] + s.vertices[t[2]]) / 3);
+  }
+  std::vector<mesh::Triangle> facets;
+  facets.reserve(s.triangles.size());
+  for (const Index t : order_in_space(middles)) facets.push_back(s.triangles[t]);
+  s.triangles = std::move(facets);
+}
 
 /// Corner k of facet t and the edge that leaves it.
 using HalfEdge = std::uint64_t;
@@ -160,6 +215,33 @@ void find_spread(Solid& s) {
   if (area > 0) s.spread = second / area - first * first.transpose() / (area * area);
 }
 
+void lay_in_columns(Solid& s) {
+  s.areas.assign(s.triangles.size());
+  s.middles.assign(s.triangles.size());
+  s.triangle_normals_near.assign(s.triangles.size());
+  s.vertex_normals_near.assign(s.vertices.size());
+  for (std::size_t t = 0; t < s.triangles.size(); ++t) {
+    const Vec3& a = s.vertices[s.triangles[t][0]];
+    const Vec3& b = s.vertices[s.triangles[t][1]];
+    const Vec3& c = s.vertices[s.triangles[t][2]];
+    s.areas.set(t, Vec3(0.5 * (b - a).cross(c - a)));
+    s.middles.set(t, Vec3((a + b + c) / 3));
+    s.triangle_normals_near.set(t, s.triangle_normals[t]);
+  }
+  for (std::size_t v = 0; v < s.vertices.size(); ++v) s.vertex_normals_near.set(v, s.vertex_normals[v]);
+}
+
+void find_facets_at(Solid& s) {
+  s.first_facet_at.assign(s.vertices.size() + 1, 0);
+  for (const auto& t : s.triangles)
+    for (const Index v : t) ++s.first_facet_at[v + 1];
+  std::partial_sum(s.first_facet_at.begin(), s.first_facet_at.end(), s.first_facet_at.begin());
+  s.facets_at.resize(3 * s.triangles.size());
+  std::vector<Index> next(s.first_facet_at.begin(), s.first_facet_at.end() - 1);
+  for (Index t = 0; t < s.triangles.size(); ++t)
+    for (const Index v : s.triangles[t]) s.facets_at[next[v]++] = t;
+}
+
 }  // namespace
 
 Solid prepare_solid(const mesh::TriangleMesh& mesh, const run::Context& ctx) {
@@ -173,11 +255,14 @@ Solid prepare_solid(const mesh::TriangleMesh& mesh, const run::Context& ctx) {
   for (const Vec3& v : s.vertices) s.radius_mm = std::max(s.radius_mm, v.norm());
   s.centre_of_mass = mesh::centroid(mesh) - middle;
   s.signed_volume_mm3 = mesh::volume(mesh);
+  lay_out(s);
   find_neighbours(s);
   find_shells(s);
   find_normals(s);
   find_spread(s);
   settle_fill(s, ctx);
+  lay_in_columns(s);
+  find_facets_at(s);
   return s;
 }
 

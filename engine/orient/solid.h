@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/mesh/triangle_mesh.h"
+#include "engine/orient/lanes.h"
 #include "engine/run/context.h"
 
 #include <cstdint>
@@ -34,8 +35,13 @@ struct Solid {
   std::vector<std::uint8_t> shell_tangled;
   /// Pairs of facets that run through one another or lie on one another.
   std::vector<std::pair<Index, Index>> contacts;
-  std::vector<Vec3> vertex_normals;    ///< area-weighted, unit; zero where undefined
-  std::vector<Vec3> triangle_normals;  ///< unit; zero for slivers without area
+  std::vector<Vec3> vertex_normals;                        ///< area-weighted, unit; zero where undefined
+  std::vector<Vec3> triangle_normals;                      ///< unit; zero for slivers without area
+  Columns areas;                                           ///< per facet: area times normal, mm²
+  Columns middles;                                         ///< per facet: centroid
+  NearColumns vertex_normals_near, triangle_normals_near;  ///< to single precision
+  /// Facets at each vertex: facets_at[first_facet_at[v]] to facets_at[first_facet_at[v + 1]].
+  std::vector<Index> first_facet_at, facets_at;
   Vec3 centre_of_mass = Vec3::Zero();
   double signed_volume_mm3 = 0;            ///< as the divergence theorem has it: overlaps count twice
   double volume_mm3 = 0;                   ///< filled, overlaps counted once

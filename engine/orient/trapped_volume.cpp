@@ -1,5 +1,7 @@
 #include "engine/orient/trapped_volume.h"
 
+#include "engine/orient/lanes.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -30,13 +32,8 @@ int rows_for(int rows, double excess) {
   return std::min(kMostRows, static_cast<int>(std::ceil(rows * grow)));
 }
 
-/// Four at once, in whatever registers the machine has; loaded and stored at any address.
-typedef float Lanes __attribute__((vector_size(16), aligned(4), may_alias));
-typedef std::int32_t Ints __attribute__((vector_size(16)));
 constexpr Lanes kSteps{0, 1, 2, 3};
-
-Lanes lower_of(Lanes a, Lanes b) { return a < b ? a : b; }
-Lanes higher_of(Lanes a, Lanes b) { return a > b ? a : b; }
+constexpr std::size_t kAfter[3] = {1, 2, 0};
 
 int ceil_int(float v) {
   const int i = static_cast<int>(v);
@@ -47,13 +44,12 @@ Ints ceil_ints(Lanes v) {
   return i - (__builtin_convertvector(i, Lanes) < v);  // true is -1
 }
 
-/// The x of an edge by row, reckoned from its lower end.
-struct Edge {
-  Edge(float xa, float ya, float xb, float yb)
-      : x0(xa), y0(ya), slope(yb > ya ? (xb - xa) / (yb - ya) : 0.0F) {}
-  Lanes at(Lanes row) const { return x0 + (row - y0) * slope; }
-  float x0, y0, slope;
-};
+/// Whatever 16 bytes, four floats of which are of use or fewer.
+template <class T>
+Lanes as_lanes(const T& v) {
+  static_assert(sizeof(T) == sizeof(Lanes));
+  return *reinterpret_cast<const Lanes*>(&v);
+}
 
 /// Lays a strip of surface that rises by `step` a cell over `count` cells: each keeps the higher, and the
 /// lower of the two is hidden. Adds the hidden heights to `hidden`, wherever of its four.
@@ -79,6 +75,14 @@ void deposit(float* cell, int count, float z, float step, Lanes& hidden) {
 
 }  // namespace
 
+/// The x of an edge by row, reckoned from its lower end.
+struct TrappedVolumeRaster::Edge {
+  Edge(const Corner& low, const Corner& high)
+      : x0(low.x), y0(low.y), dx(high.x - low.x), per_y(high.y > low.y ? 1 / (high.y - low.y) : 0.0F) {}
+  Lanes at(Lanes row) const { return x0 + (row - y0) * per_y * dx; }
+  float x0, y0, dx, per_y;
+};
+
 void project(const Solid& solid, const Vec3& d, Projection& out) {
   const Vec3 a = std::abs(d.x()) < 0.6 ? Vec3::UnitX() : Vec3::UnitY();
   const Vec3 u = (a - d * d.dot(a)).normalized();
@@ -89,6 +93,7 @@ void project(const Solid& solid, const Vec3& d, Projection& out) {
   const Vec3 e2 = d.cross(e1);
   out.e1 = e1;
   out.e2 = e2;
+  out.d = d;
   const std::size_t n = solid.vertices.size();
   out.x.resize(n);
   out.y.resize(n);
@@ -119,6 +124,7 @@ TrappedVolumeRaster::TrappedVolumeRaster(const Solid& solid) : solid_(solid) {
   Projection p;
   for (const Vec3& d : lines) {
     project(solid_, d.normalized(), p);
+    sum_prisms(p);
     TrappedVolume ignored;
     rows.push_back(rows_for(kFewestRows, look(p, kFewestRows, ignored)));
   }
@@ -128,6 +134,7 @@ TrappedVolumeRaster::TrappedVolumeRaster(const Solid& solid) : solid_(solid) {
 
 TrappedVolume TrappedVolumeRaster::measure(const Projection& p) {
   TrappedVolume out;
+  sum_prisms(p);
   for (int rows = first_rows_;;) {
     const double excess = look(p, rows, out);
     if (excess <= 1 || rows >= kMostRows) return out;
@@ -142,7 +149,7 @@ double TrappedVolumeRaster::look(const Projection& p, int rows, TrappedVolume& o
   out = {};
   if (!(box > 0)) return 0;
   place(p, rows);
-  scan(p.h_max - p.h_min, rows);
+  scan(static_cast<float>(p.h_max - p.h_min), rows);
   const double error_up = error_of(up_, box, out.up_mm3);
   const double error_down = error_of(down_, box, out.down_mm3);
   return std::max(error_up, error_down) / kStandardError;
@@ -159,7 +166,7 @@ double TrappedVolumeRaster::error_of(const Side& side, double box_mm3, double& v
     hidden += row;
   }
   rows_.insert(rows_.end(), 3, 0.0);
-  v_mm3 = std::max(0.0, cell_mm2_ * (side.prisms - hidden) - solid_.volume_mm3);
+  v_mm3 = std::max(0.0, side.prisms_mm3 - cell_mm2_ * hidden - solid_.volume_mm3);
   // Third differences pass over what changes evenly from row to row, which sums of rows get right. Errors of
   // variance e² in each row give them a variance of (1 + 9 + 9 + 1) e².
   double squares = 0;
@@ -169,6 +176,22 @@ double TrappedVolumeRaster::error_of(const Side& side, double box_mm3, double& v
   }
   const double allowed = std::max(kShareOfVolume * v_mm3, kShareOfBox * box_mm3);
   return cell_mm2_ * std::sqrt(squares / 20) / allowed;
+}
+
+/// A prism's volume is the facet's area as seen along d times the height of its centroid.
+void TrappedVolumeRaster::sum_prisms(const Projection& p) {
+  using Pair = Columns::Register;
+  Pair up = {};
+  Pair down = {};
+  for (std::size_t i = 0; i < solid_.areas.padded(); i += Columns::kStep) {
+    const Pair area = solid_.areas.dot(i, p.d);
+    const Pair middle = solid_.middles.dot(i, p.d);
+    const Pair none = {};
+    up += (area > none ? area : none) * (middle - p.h_min);
+    down += (area < none ? area : none) * (middle - p.h_max);
+  }
+  up_.prisms_mm3 = up[0] + up[1];
+  down_.prisms_mm3 = down[0] + down[1];
 }
 
 /// Raster coordinates of the vertices: the part's rectangle scaled to a square, turned, and scaled so that
@@ -185,6 +208,7 @@ void TrappedVolumeRaster::place(const Projection& p, int rows) {
   const double y_mid = 0.5 * (p.y_min + p.y_max);
   cell_mm2_ = width * depth / (cells_to_side * rows_to_side);
   corners_.resize(p.x.size());
+  next_rows_.resize(p.x.size());
   const double xx = c / width * cells_to_side;
   const double xy = -s / depth * cells_to_side;
   const double yx = s / width * rows_to_side;
@@ -192,80 +216,111 @@ void TrappedVolumeRaster::place(const Projection& p, int rows) {
   for (std::size_t v = 0; v < corners_.size(); ++v) {
     const double a = p.x[v] - x_mid;
     const double b = p.y[v] - y_mid;
-    corners_[v] = {xx * a + xy * b + (0.5 * cells_ - 0.5), yx * a + yy * b + (0.5 * rows - 0.5),
-                   p.h[v] - p.h_min};
+    const auto y = static_cast<float>(yx * a + yy * b + (0.5 * rows - 0.5));
+    const int next = std::clamp(ceil_int(y), 0, rows);
+    corners_[v] = {static_cast<float>(xx * a + xy * b + (0.5 * cells_ - 0.5)), y,
+                   static_cast<float>(p.h[v] - p.h_min), static_cast<float>(next)};
+    next_rows_[v] = static_cast<std::int16_t>(next);
   }
 }
 
-void TrappedVolumeRaster::scan(double tall, int rows) {
+void TrappedVolumeRaster::scan(float tall, int rows) {
   const auto row_count = static_cast<std::size_t>(rows);
   for (Side* side : {&up_, &down_}) {
     side->surface.assign(row_count * static_cast<std::size_t>(cells_) + 4, 0.0F);
     side->hidden.assign(4 * row_count, 0.0F);
   }
-  double up = 0;
-  double down = 0;
   for (const auto& t : solid_.triangles) {
-    const Corner& a = corners_[t[0]];
-    const Corner& b = corners_[t[1]];
-    const Corner& c = corners_[t[2]];
-    const double twice = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
-    const double heights = a.h + b.h + c.h;
-    const bool is_up = twice > 0;
-    if (is_up) {
-      up += twice * heights;
+    const std::int16_t a = next_rows_[t[0]];
+    const std::int16_t b = next_rows_[t[1]];
+    const std::int16_t c = next_rows_[t[2]];
+    const int first = std::min(a, std::min(b, c));
+    const int last = std::max(a, std::max(b, c));
+    if (first == last) continue;  // most facets of a fine mesh lie between two rows
+    if (last == first + 1) {
+      scan_row(t, tall);
     } else {
-      down -= twice * (3 * tall - heights);
+      scan_rows(corners_[t[0]], corners_[t[1]], corners_[t[2]], tall, first, last);
     }
-    const float y[3] = {static_cast<float>(a.y), static_cast<float>(b.y), static_cast<float>(c.y)};
-    const int first = ceil_int(std::min(y[0], std::min(y[1], y[2])));
-    const int last = ceil_int(std::max(y[0], std::max(y[1], y[2])));
-    if (first >= last || twice == 0) continue;  // most facets of a fine mesh lie between two rows
-    const float x[3] = {static_cast<float>(a.x), static_cast<float>(b.x), static_cast<float>(c.x)};
-    const float h[3] = {static_cast<float>(is_up ? a.h : tall - a.h),
-                        static_cast<float>(is_up ? b.h : tall - b.h),
-                        static_cast<float>(is_up ? c.h : tall - c.h)};
-    scan_triangle(x, y, h, std::max(0, first), std::min(rows, last), is_up ? up_ : down_);
   }
-  up_.prisms = up / 6;
-  down_.prisms = down / 6;
+}
+
+/// A facet that one row crosses, as most of a fine mesh that are crossed at all. Which of its corners lie
+/// where is as good as random, so nothing branches on it.
+void TrappedVolumeRaster::scan_row(const mesh::Triangle& t, float tall) {
+  const std::int16_t a = next_rows_[t[0]];
+  const std::size_t alone = (next_rows_[t[2]] == a ? 1U : 0U) + (next_rows_[t[1]] == a ? 2U : 0U);
+  // Corner k alone lies on its side of the row; n comes after it, m before.
+  const Corner& k = corners_[t[alone]];
+  const Corner& n = corners_[t[kAfter[alone]]];
+  const Corner& m = corners_[t[kAfter[kAfter[alone]]]];
+  const bool k_low = k.next_row < n.next_row;
+  const float y = std::min(k.next_row, n.next_row);
+  const auto row = static_cast<std::ptrdiff_t>(y);
+  const Ints swap = Ints{} - (k_low ? 1 : 0);
+  auto cross = [&](const Corner& other) {
+    const Lanes from_k = as_lanes(k);
+    const Lanes from_other = as_lanes(other);
+    const Lanes low = swap ? from_k : from_other;
+    const Lanes high = swap ? from_other : from_k;
+    return low + (y - low[1]) * (1 / (high[1] - low[1])) * (high - low);  // as Edge has it
+  };
+  const Lanes at_n = cross(n);
+  const Lanes at_m = cross(m);
+  const int from = std::max(0, ceil_int(std::min(at_n[0], at_m[0])));
+  const int to = std::min(cells_, ceil_int(std::max(at_n[0], at_m[0])));
+  if (from >= to) return;
+  // Counter-clockwise facets, which look up, have n to the right of m over a corner below, else to the left.
+  const bool is_up = (at_n[0] > at_m[0]) == k_low;
+  const float step = (at_n[2] - at_m[2]) / (at_n[0] - at_m[0]);
+  const float h_low = std::min({k.h, n.h, m.h});
+  const float h_high = std::max({k.h, n.h, m.h});
+  const float z = std::clamp(at_m[2] + step * (static_cast<float>(from) - at_m[0]), h_low, h_high);
+  Side& side = is_up ? up_ : down_;
+  deposit(side.surface.data() + row * cells_ + from, to - from, is_up ? z : tall - z, is_up ? step : -step,
+          *reinterpret_cast<Lanes*>(side.hidden.data() + 4 * row));
 }
 
 /// Half open, [first, last) and [from, to): facets that share an edge share no cell. An edge's x is computed
 /// from its lower end, the same way for both.
-void TrappedVolumeRaster::scan_triangle(const float x[3], const float y[3], const float h[3], int first,
-                                        int last, Side& side) {
+void TrappedVolumeRaster::scan_rows(const Corner& a, const Corner& b, const Corner& c, float tall, int first,
+                                    int last) {
   // Differences of rounded corners, whose products are exact: a sliver's slopes are those of its corners.
-  const double x1 = x[1] - x[0];
-  const double x2 = x[2] - x[0];
-  const double y1 = y[1] - y[0];
-  const double y2 = y[2] - y[0];
+  const double x1 = b.x - a.x;
+  const double x2 = c.x - a.x;
+  const double y1 = b.y - a.y;
+  const double y2 = c.y - a.y;
   const double det = x1 * y2 - x2 * y1;
   if (det == 0) return;
-  const double h1 = h[1] - h[0];
-  const double h2 = h[2] - h[0];
+  const bool is_up = det > 0;
+  Side& side = is_up ? up_ : down_;
+  const double h1 = is_up ? b.h - a.h : a.h - b.h;
+  const double h2 = is_up ? c.h - a.h : a.h - c.h;
   const auto gx = static_cast<float>((h1 * y2 - h2 * y1) / det);
   const auto gy = static_cast<float>((h2 * x1 - h1 * x2) / det);
-  std::size_t low = 0;
-  std::size_t mid = 1;
-  std::size_t top = 2;
-  if (y[mid] < y[low]) std::swap(low, mid);
-  if (y[top] < y[mid]) std::swap(mid, top);
-  if (y[mid] < y[low]) std::swap(low, mid);
-  const Lanes h_low = Lanes{} + std::min(h[0], std::min(h[1], h[2]));
-  const Lanes h_high = Lanes{} + std::max(h[0], std::max(h[1], h[2]));
-  const Edge whole(x[low], y[low], x[top], y[top]);
-  const Edge lower(x[low], y[low], x[mid], y[mid]);
-  const Edge upper(x[mid], y[mid], x[top], y[top]);
+  const Corner* low = &a;
+  const Corner* mid = &b;
+  const Corner* top = &c;
+  if (mid->y < low->y) std::swap(low, mid);
+  if (top->y < mid->y) std::swap(mid, top);
+  if (mid->y < low->y) std::swap(low, mid);
+  const float least = std::min({a.h, b.h, c.h});
+  const float most = std::max({a.h, b.h, c.h});
+  const Lanes h_low = Lanes{} + (is_up ? least : tall - most);
+  const Lanes h_high = Lanes{} + (is_up ? most : tall - least);
+  const float h0 = is_up ? a.h : tall - a.h;
+  const Edge whole(*low, *top);
+  const Edge lower(*low, *mid);
+  const Edge upper(*mid, *top);
   const Lanes none = {};
   const Lanes all = Lanes{} + static_cast<float>(cells_);
   for (int j = first; j < last; j += 4) {
     const Lanes row = static_cast<float>(j) + kSteps;
     const Lanes xa = whole.at(row);
-    const Lanes xb = row < y[mid] ? lower.at(row) : upper.at(row);
+    const Lanes xb = row < mid->y ? lower.at(row) : upper.at(row);
     const Ints from = ceil_ints(higher_of(lower_of(xa, xb), none));
     const Ints to = ceil_ints(lower_of(higher_of(xa, xb), all));
-    Lanes z = h[0] + gy * (row - y[0]) + gx * (__builtin_convertvector(from, Lanes) - x[0]);
+    Lanes z = h0 + gy * (row - a.y) + gx * (__builtin_convertvector(from, Lanes) - a.x);
     z = lower_of(higher_of(z, h_low), h_high);
     const int end = std::min(4, last - j);
     for (int k = 0; k < end; ++k) {

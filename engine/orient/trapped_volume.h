@@ -10,7 +10,7 @@ namespace voidpath::orient {
 /// A part as one direction sees it: heights along it and two coordinates across. mm
 struct Projection {
   std::vector<double> x, y, h;
-  Vec3 e1 = Vec3::UnitX(), e2 = Vec3::UnitY();  ///< the axes across; e1 × e2 is the direction
+  Vec3 e1 = Vec3::UnitX(), e2 = Vec3::UnitY(), d = Vec3::UnitZ();  ///< the axes across and the direction
   double x_min = 0, x_max = 0, y_min = 0, y_max = 0, h_min = 0, h_max = 0;
 };
 
@@ -44,23 +44,28 @@ class TrappedVolumeRaster {
   /// What one of the two directions sees. Heights are above its plate, mm.
   struct Side {
     std::vector<float> surface;  ///< the topmost, by cell; 0: none
-    double prisms = 0;           ///< all surfaces' heights, exactly, mm · cells
+    double prisms_mm3 = 0;       ///< under all its facets, exactly
     std::vector<float> hidden;   ///< hidden heights, mm · cells; four sums to each row
   };
   struct Corner {
-    double x, y, h;
+    float x, y, h;
+    float next_row;  ///< the first row not below it
   };
+  struct Edge;
   double look(const Projection& p, int rows, TrappedVolume& out);
   double error_of(const Side& side, double box_mm3, double& v_mm3);
+  void sum_prisms(const Projection& p);
   void place(const Projection& p, int rows);
-  void scan(double tall, int rows);
-  void scan_triangle(const float x[3], const float y[3], const float h[3], int first, int last, Side& side);
+  void scan(float tall, int rows);
+  void scan_row(const mesh::Triangle& t, float tall);
+  void scan_rows(const Corner& a, const Corner& b, const Corner& c, float tall, int first, int last);
 
   const Solid& solid_;
   int first_rows_ = 0;  ///< of the raster every line is first looked at with
   int cells_ = 0;       ///< to a row
   Side up_, down_;
-  std::vector<Corner> corners_;  ///< per vertex, in raster coordinates
+  std::vector<Corner> corners_;          ///< per vertex, in raster coordinates
+  std::vector<std::int16_t> next_rows_;  ///< Corner::next_row, small enough to stay at hand
   std::vector<double> rows_;
   double cell_mm2_ = 0;
 };

@@ -19,7 +19,7 @@
 /// 0.2 mm with supports, in one run on one machine.
 ///
 ///   bench_search [--alone]            all parts of $VOIDPATH_SHARED/models, then --growth
-///   bench_search [--alone] FILE...    these
+///   bench_search [--alone] FILE...    these; of a folder with a MANIFEST.csv scaled as that says
 ///   bench_search --growth             one shape of 10 thousand, 100 thousand and a million triangles
 ///
 /// The search is timed from the imported mesh, PrusaSlicer from its start, as a user waits for either;
@@ -74,11 +74,8 @@ std::vector<std::string> split_csv(const std::string& line) {
   return out;
 }
 
-std::vector<Part> shared_parts() {
+std::vector<Part> parts_in(const fs::path& folder) {
   std::vector<Part> out;
-  const char* shared = std::getenv("VOIDPATH_SHARED");
-  if (shared == nullptr) return out;
-  const fs::path folder = fs::path(shared) / "models";
   std::ifstream manifest(folder / "MANIFEST.csv");
   std::string line;
   std::getline(manifest, line);
@@ -93,6 +90,17 @@ std::vector<Part> shared_parts() {
     if (voidpath::mesh::is_model_name(part.file)) out.push_back(part);
   }
   return out;
+}
+
+std::vector<Part> shared_parts() {
+  const char* shared = std::getenv("VOIDPATH_SHARED");
+  return shared == nullptr ? std::vector<Part>() : parts_in(fs::path(shared) / "models");
+}
+
+Part part_at(const fs::path& file) {
+  for (const Part& p : parts_in(file.parent_path()))
+    if (p.file == file) return p;
+  return {file, 1};
 }
 
 std::string quoted(const fs::path& p) {
@@ -201,7 +209,7 @@ int main(int argc, char** argv) {
     } else if (arg == "--growth") {
       growth = true;
     } else {
-      parts.push_back({arg, 1});
+      parts.push_back(part_at(arg));
     }
   }
   if (parts.empty() && !growth) {
