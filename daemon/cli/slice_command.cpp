@@ -1,5 +1,6 @@
 #include "daemon/cli/flags.h"
 #include "daemon/cli/offline.h"
+#include "daemon/cli/x3g_output.h"
 #include "daemon/slicer/foreign.h"
 
 #include <chrono>
@@ -30,7 +31,7 @@ int slice_command(const std::vector<std::string>& args) {
   std::string slicer, slicer_profile;
   bool as_delivered = false;
   app.add_option("model", model, "STL, OBJ or 3MF")->required();
-  app.add_option("-o,--out", out, "the G-code file to write")->required();
+  app.add_option("-o,--out", out, "the G-code file to write; FILE.x3g: for a MakerBot's card")->required();
   add_common(app, common);
   add_orient(app, orient);
   auto* keep = app.add_flag("--as-delivered", as_delivered, "does not turn the part");
@@ -50,13 +51,19 @@ int slice_command(const std::vector<std::string>& args) {
       throw UsageError("--direction " + direction + ": it has no length");
     s.options.direction->normalize();
   }
+  const bool x3g = is_x3g_name(out);
+  if (x3g && s.profile.limits.firmware != motion::Firmware::s3g)
+    throw UsageError(out + ": only a MakerBot reads .x3g, and the profile is not one's: give --profile");
   const std::string used = slicer.empty() ? s.daemon.slicer.name : slicer;
   s.options.slicer =
       daemon::foreign_slicer(s.daemon.slicer, used, own_profile(s.daemon, used, slicer_profile));
   const auto begin = std::chrono::steady_clock::now();
-  const auto p = pipeline::prepare(model, out, s.options, false, console_context(common.threads));
+  const std::string gcode = x3g ? out + ".gcode" : out;
+  const auto p = pipeline::prepare(model, gcode, s.options, false, console_context(common.threads));
   const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   end_progress();
+  std::vector<std::string> left_out;
+  if (x3g) left_out = convert_to_x3g(gcode, out, s.profile);
 
   const geom::Vec3 d = p.choice.candidates[p.choice.chosen].direction;
   if (common.json) {
@@ -74,6 +81,7 @@ int slice_command(const std::vector<std::string>& args) {
     return 0;
   }
   for (const std::string& note : p.model.notes) std::fprintf(stderr, "%s: %s\n", model.c_str(), note.c_str());
+  for (const std::string& note : left_out) std::fprintf(stderr, "%s: %s\n", out.c_str(), note.c_str());
   for (const std::string& message : p.slicer_messages) std::fprintf(stderr, "%s\n", message.c_str());
   for (const std::string& fix : p.model.repairs.sentences())
     std::fprintf(stderr, "%s: %s\n", model.c_str(), fix.c_str());

@@ -69,6 +69,26 @@ TEST_CASE("slice and estimate agree, and --direction is what points up") {
   CHECK(t.at("by_feature").contains("External perimeter"));
 }
 
+TEST_CASE("for a MakerBot a file for its card is written") {
+  const ScratchDir dir;
+  mesh::write_model(box(30, 20, 8), dir / "b.stl");
+  const auto slice = [&](const std::string& profile) {
+    return voidpath_run({"slice", dir / "b.stl", "-o", dir / "b.x3g", "--as-delivered", "--profile", profile}, dir);
+  };
+  CHECK(slice("generic-marlin").code == 2);
+  CHECK_FALSE(fs::exists(dir / "b.x3g"));
+  const Result r = slice("makerbot-replicator-2");
+  INFO(r.err);
+  REQUIRE(r.code == 0);
+  const std::string bytes = read_file(dir / "b.x3g");
+  // 153: the build's start and name; 154: its end. In between some hundred moves of 32 bytes.
+  CHECK(bytes.substr(0, 7) == std::string("\x99\0\0\0\0b\0", 7));
+  CHECK(bytes.substr(bytes.size() - 2) == std::string("\x9A\0", 2));
+  CHECK(bytes.size() > 32 * 500);
+  CHECK_FALSE(fs::exists(dir / "b.x3g.gcode"));
+  CHECK_FALSE(fs::exists(dir / "b.x3g.part"));
+}
+
 TEST_CASE("the same input gives the same G-code on one thread and on many") {
   const ScratchDir dir;
   mesh::write_model(table(40, 30, 25, 4, 6), dir / "t.stl");
