@@ -1,11 +1,12 @@
 #include "engine/orient/self_contact.h"
 
+#include "engine/orient/lanes.h"
 #include "engine/run/parallel_for.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
+#include <limits>
 
 namespace voidpath::orient {
 
@@ -16,20 +17,17 @@ using Corners = std::array<Vec3, 3>;
 /// Facets on one edge whose planes differ by more do not lie on one another, whatever the touch.
 constexpr double kFoldedCosine = 0.999;
 
+/// Share of the part's size by which boxes are wider than what they hold, for single precision.
+constexpr double kBoxNoise = 1e-6;
+
 struct Box {
-  Vec3 low = Vec3::Constant(1e300);
-  Vec3 high = Vec3::Constant(-1e300);
-  void add(const Vec3& p) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
+  Lanes low = Lanes{} + std::numeric_limits<float>::infinity();
+  Lanes high = Lanes{} - std::numeric_limits<float>::infinity();
   void add(const Box& b) {
-    low = low.cwiseMin(b.low);
-    high = high.cwiseMax(b.high);
+    low = lower_of(low, b.low);
+    high = higher_of(high, b.high);
   }
-  bool meets(const Box& b) const {
-    return (low.array() <= b.high.array()).all() && (b.low.array() <= high.array()).all();
-  }
+  bool meets(const Box& b) const { return !any((low > b.high) | (b.low > high)); }
 };
 
 /// Heights of b's corners over a's plane, nil where they lie in it; false when b is all on one side, touching
@@ -99,80 +97,72 @@ bool contact(const Corners& a, const Vec3& na, const Corners& b, const Vec3& nb,
   return std::min(a1, b1) - std::max(a0, b0) > touch;
 }
 
-/// Boxes around facets, halved along the longest side; leaves hold up to kLeaf facets.
+/// Boxes around facets, widened by half the touch, and around ever more of them as they follow one another:
+/// tight where the solid's facets lie in memory as in space.
 class BoxTree {
  public:
-  static constexpr std::size_t kLeaf = 4;
-
-  BoxTree(const Solid& s, double touch) : facets_(s.triangles.size()), boxes_(s.triangles.size()) {
-    std::iota(facets_.begin(), facets_.end(), Index{0});
-    std::vector<Vec3> middles(s.triangles.size());
-    for (std::size_t t = 0; t < boxes_.size(); ++t) {
-      for (const Index v : s.triangles[t]) boxes_[t].add(s.vertices[v]);
-      middles[t] = boxes_[t].low + boxes_[t].high;
-      boxes_[t].low.array() -= 0.5 * touch;
-      boxes_[t].high.array() += 0.5 * touch;
+  BoxTree(const Solid& s, double touch) : count_(s.triangles.size()) {
+    while (leaves_ * kLeaf < count_) leaves_ *= 2;
+    facets_.resize(count_);
+    nodes_.resize(2 * leaves_);
+    const auto wider = static_cast<float>(0.5 * touch + kBoxNoise * s.radius_mm);
+    for (std::size_t t = 0; t < count_; ++t) {
+      for (const Index v : s.triangles[t]) {
+        const Eigen::Vector3f p = s.vertices[v].cast<float>();
+        const Lanes at{p.x(), p.y(), p.z(), 0};
+        facets_[t].add({at - wider, at + wider});
+      }
+      nodes_[leaves_ + t / kLeaf].add(facets_[t]);
     }
-    nodes_.reserve(facets_.size());
-    build(0, facets_.size(), middles);
+    for (std::size_t i = leaves_; i-- > 1;) {
+      nodes_[i] = nodes_[2 * i];
+      nodes_[i].add(nodes_[2 * i + 1]);
+    }
   }
 
-  /// Calls visit(facet) for every facet whose box, widened by half the touch on every side, meets that of
-  /// `facet`.
+  std::size_t leaves() const { return (count_ + kLeaf - 1) / kLeaf; }
+
+  /// Calls visit(t, u) for every facet t of that leaf and u > t whose boxes meet.
   template <class Visit>
-  void each_near(Index facet, const Visit& visit) const {
-    const Box& box = boxes_[facet];
-    std::array<Index, 64> stack;  // halving keeps the depth below 32
+  void each_pair(std::size_t leaf, const Visit& visit) const {
+    const Box& box = nodes_[leaves_ + leaf];
+    std::array<std::size_t, 64> stack;
     std::size_t depth = 0;
-    stack[depth++] = 0;
+    stack[depth++] = 1;
     while (depth > 0) {
-      const Node& node = nodes_[stack[--depth]];
-      if (!node.box.meets(box)) continue;
-      if (node.right == 0) {
-        for (std::size_t i = node.begin; i < node.end; ++i)
-          if (boxes_[facets_[i]].meets(box)) visit(facets_[i]);
-      } else {
-        stack[depth++] = node.right;
-        stack[depth++] = static_cast<Index>(&node - nodes_.data()) + 1;
+      const std::size_t node = stack[--depth];
+      if (!nodes_[node].meets(box)) continue;
+      if (node >= leaves_) {
+        pair_up(leaf, node - leaves_, visit);
+        continue;
       }
+      stack[depth++] = 2 * node + 1;
+      if (last_leaf_below(2 * node) >= leaf) stack[depth++] = 2 * node;
     }
   }
 
  private:
-  struct Node {
-    Box box;
-    std::size_t begin, end;
-    Index right;  ///< 0 for a leaf; the left child follows its parent
-  };
+  static constexpr std::size_t kLeaf = 4;
 
-  Index build(std::size_t begin, std::size_t end, const std::vector<Vec3>& middles) {
-    const auto at = static_cast<Index>(nodes_.size());
-    nodes_.push_back({{}, begin, end, 0});
-    Box box;
-    Box spread;
-    for (std::size_t i = begin; i < end; ++i) {
-      box.add(boxes_[facets_[i]]);
-      spread.add(middles[facets_[i]]);
-    }
-    nodes_[at].box = box;
-    if (end - begin <= kLeaf) return at;
-    Vec3::Index axis = 0;
-    (spread.high - spread.low).maxCoeff(&axis);
-    const std::size_t half = begin + (end - begin) / 2;
-    const auto first = facets_.begin();
-    std::nth_element(first + static_cast<std::ptrdiff_t>(begin), first + static_cast<std::ptrdiff_t>(half),
-                     first + static_cast<std::ptrdiff_t>(end), [&](Index a, Index b) {
-                       return middles[a][axis] != middles[b][axis] ? middles[a][axis] < middles[b][axis]
-                                                                   : a < b;
-                     });
-    build(begin, half, middles);
-    nodes_[at].right = build(half, end, middles);
-    return at;
+  std::size_t last_leaf_below(std::size_t node) const {
+    std::size_t last = node + 1;
+    while (last <= leaves_) last *= 2;
+    return last - 1 - leaves_;
   }
 
-  std::vector<Index> facets_;
-  std::vector<Box> boxes_;
-  std::vector<Node> nodes_;
+  template <class Visit>
+  void pair_up(std::size_t a, std::size_t b, const Visit& visit) const {
+    const std::size_t end_a = std::min((a + 1) * kLeaf, count_);
+    const std::size_t end_b = std::min((b + 1) * kLeaf, count_);
+    for (std::size_t t = a * kLeaf; t < end_a; ++t)
+      for (std::size_t u = std::max(t + 1, b * kLeaf); u < end_b; ++u)
+        if (facets_[t].meets(facets_[u])) visit(static_cast<Index>(t), static_cast<Index>(u));
+  }
+
+  std::size_t count_;
+  std::size_t leaves_ = 1;  ///< a power of two
+  std::vector<Box> facets_;
+  std::vector<Box> nodes_;  ///< heap order from 1; the leaves from leaves_
 };
 
 }  // namespace
@@ -181,8 +171,8 @@ std::vector<std::pair<Index, Index>> find_self_contacts(const Solid& s, const ru
   if (s.triangles.empty()) return {};
   const double touch = touch_mm(s);
   const BoxTree tree(s, touch);
-  constexpr std::size_t kChunk = 1024;
-  const std::size_t chunks = (s.triangles.size() + kChunk - 1) / kChunk;
+  constexpr std::size_t kChunk = 256;  // leaves
+  const std::size_t chunks = (tree.leaves() + kChunk - 1) / kChunk;
   std::vector<std::vector<std::pair<Index, Index>>> found(chunks);
   auto corners = [&](Index t) {
     const auto& [a, b, c] = s.triangles[t];
@@ -197,19 +187,15 @@ std::vector<std::pair<Index, Index>> find_self_contacts(const Solid& s, const ru
     return shared < 2 || std::abs(s.triangle_normals[t].dot(s.triangle_normals[u])) > kFoldedCosine;
   };
   run::parallel_for(ctx, chunks, [&](std::size_t chunk) {
-    const std::size_t end = std::min((chunk + 1) * kChunk, s.triangles.size());
-    for (std::size_t i = chunk * kChunk; i < end; ++i) {
-      const auto t = static_cast<Index>(i);
-      const Vec3& n = s.triangle_normals[t];
-      if (n.isZero(0)) continue;
-      const Corners a = corners(t);
-      const std::size_t before = found[chunk].size();
-      tree.each_near(t, [&](Index u) {
-        if (u <= t || s.triangle_normals[u].isZero(0) || !may_meet(t, u)) return;
-        if (contact(a, n, corners(u), s.triangle_normals[u], touch)) found[chunk].emplace_back(t, u);
+    const std::size_t end = std::min((chunk + 1) * kChunk, tree.leaves());
+    for (std::size_t leaf = chunk * kChunk; leaf < end; ++leaf)
+      tree.each_pair(leaf, [&](Index t, Index u) {
+        const Vec3& nt = s.triangle_normals[t];
+        const Vec3& nu = s.triangle_normals[u];
+        if (nt.isZero(0) || nu.isZero(0) || !may_meet(t, u)) return;
+        if (contact(corners(t), nt, corners(u), nu, touch)) found[chunk].emplace_back(t, u);
       });
-      std::sort(found[chunk].begin() + static_cast<std::ptrdiff_t>(before), found[chunk].end());
-    }
+    std::sort(found[chunk].begin(), found[chunk].end());
   });
   std::vector<std::pair<Index, Index>> out;
   for (const auto& part : found) out.insert(out.end(), part.begin(), part.end());
