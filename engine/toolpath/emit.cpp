@@ -32,8 +32,9 @@ bool mentions(std::string_view text, std::initializer_list<std::string_view> wor
 
 class Emitter {
  public:
-  Emitter(const Plan& plan, const PrintSettings& settings, std::ostream& out, const run::Context& ctx)
-      : plan_(plan), settings_(settings), out_(out), ctx_(ctx), writer_(settings) {}
+  Emitter(const Plan& plan, const PrintSettings& settings, std::ostream& out, const run::Context& ctx,
+          const motion::MachineLimits& limits)
+      : plan_(plan), settings_(settings), limits_(limits), out_(out), ctx_(ctx), writer_(settings) {}
 
   EmitStats run(const std::string& header) {
     const Placeholders values = placeholders(plan_, settings_);
@@ -102,7 +103,7 @@ class Emitter {
     writer_.comment("HEIGHT:" + decimal(layer.span.height_mm(), 3));
     writer_.reset_e();
     if (i == 1) change_temperatures();
-    pace_ = pace_of_layer(layer, i, settings_);
+    pace_ = paces_[i];
     z_pending_ = true;
     has_type_ = false;
     for (std::size_t k = 0; k < layer.paths.size(); ++k)
@@ -117,8 +118,11 @@ class Emitter {
       if (!start[i + 1]) start[i + 1] = start[i];
     }
     travels_.resize(n);
-    run::parallel_for(
-        ctx_, n, [&](std::size_t i) { travels_[i] = plan_travels(plan_.layers[i], start[i], settings_); });
+    paces_.resize(n);
+    run::parallel_for(ctx_, n, [&](std::size_t i) {
+      travels_[i] = plan_travels(plan_.layers[i], start[i], settings_);
+      paces_[i] = pace_of_layer(plan_.layers[i], i, settings_, limits_, travels_[i]);
+    });
   }
 
   void print(const Path& path, const Travel& travel, std::size_t i) {
@@ -212,10 +216,12 @@ class Emitter {
 
   const Plan& plan_;
   const PrintSettings& settings_;
+  const motion::MachineLimits& limits_;
   std::ostream& out_;
   const run::Context& ctx_;
   Writer writer_;
   std::vector<std::vector<Travel>> travels_;  ///< by layer and path
+  std::vector<Pace> paces_;                   ///< by layer
   Pace pace_;
   const Path* last_ = nullptr;  ///< printed
   Role role_ = Role::infill;
@@ -227,8 +233,8 @@ class Emitter {
 }  // namespace
 
 EmitStats emit(const Plan& plan, const PrintSettings& settings, const std::string& header, std::ostream& out,
-               const run::Context& ctx) {
-  return Emitter(plan, settings, out, ctx).run(header);
+               const run::Context& ctx, const motion::MachineLimits& limits) {
+  return Emitter(plan, settings, out, ctx, limits).run(header);
 }
 
 }  // namespace voidpath::toolpath

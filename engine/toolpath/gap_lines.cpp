@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <utility>
 
 namespace voidpath::toolpath {
@@ -25,6 +27,90 @@ constexpr double kGapWidthStep = 0.15;
 constexpr double kGapToleranceMm = 0.03;
 /// Gap lines shorter than this many widths are blobs.
 constexpr double kMinGapLength = 1.0;
+/// Along a step of a gap line its width changes by this share of a bead at most, and steps are no shorter
+/// than this, mm.
+constexpr double kWidthChange = 0.08;
+constexpr double kMinStepMm = 0.05;
+/// The round end of a gap line may reach this far beyond the gap, mm.
+constexpr double kEndSlackMm = 0.02;
+/// What is left of a gap line that both ends are taken from, mm.
+constexpr double kLeastLengthMm = 0.1;
+
+/// From a point to the area's border, mm.
+double border_mm(const geom::Region& area, const geom::Point& p) {
+  double best = std::numeric_limits<double>::max();
+  const auto look = [&](const geom::Ring& ring) {
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const geom::Point &a = ring[i], &b = ring[(i + 1) % ring.size()];
+      const auto dx = static_cast<double>(b.x - a.x), dy = static_cast<double>(b.y - a.y);
+      const auto px = static_cast<double>(p.x - a.x), py = static_cast<double>(p.y - a.y);
+      const double len2 = dx * dx + dy * dy;
+      const double t = len2 > 0 ? std::clamp((px * dx + py * dy) / len2, 0.0, 1.0) : 0.0;
+      const double ex = px - t * dx, ey = py - t * dy;
+      best = std::min(best, ex * ex + ey * ey);
+    }
+  };
+  look(area.outer);
+  for (const auto& hole : area.holes) look(hole);
+  return std::sqrt(best) / geom::kNmPerMm;
+}
+
+/// In steps so short that the width changes but little along each.
+CentreLine refined(const CentreLine& line, double most_change_mm) {
+  CentreLine out;
+  out.closed = line.closed;
+  for (std::size_t i = 0; i + 1 < line.points.size(); ++i) {
+    const geom::Point &a = line.points[i], &b = line.points[i + 1];
+    const double from = line.width_mm[i], to = line.width_mm[i + 1];
+    const double by_width = std::ceil(std::abs(to - from) / most_change_mm);
+    const double by_length = std::floor(geom::distance(a, b) / (kMinStepMm * geom::kNmPerMm));
+    const auto parts = static_cast<std::int64_t>(std::max(1.0, std::min(by_width, by_length)));
+    for (std::int64_t k = 0; k < parts; ++k) {
+      out.points.push_back({a.x + (b.x - a.x) * k / parts, a.y + (b.y - a.y) * k / parts});
+      out.width_mm.push_back(from + (to - from) * static_cast<double>(k) / static_cast<double>(parts));
+    }
+  }
+  out.points.push_back(line.points.back());
+  out.width_mm.push_back(line.width_mm.back());
+  return out;
+}
+
+/// A line whose end cannot be as wide as its middle draws back from the gap's end until it has room: from the
+/// front.
+void draw_back(CentreLine& line, const geom::Region& gap, double least_mm) {
+  const double step = kMinStepMm * geom::kNmPerMm;
+  double whole = geom::length(line.points);
+  const double least = least_mm * geom::kNmPerMm;
+  while (line.points.size() > 1 && whole > least) {
+    geom::Point& p = line.points.front();
+    if (border_mm(gap, p) >= 0.5 * line.width_mm.front() - kEndSlackMm) return;
+    const double length = geom::distance(p, line.points[1]);
+    const double cut = std::min(step, whole - least);
+    whole -= std::min(cut, length);
+    if (length <= cut) {
+      line.points.erase(line.points.begin());
+      line.width_mm.erase(line.width_mm.begin());
+      continue;
+    }
+    const double t = cut / length;
+    const geom::Point& q = line.points[1];
+    p = {p.x + std::llround(t * static_cast<double>(q.x - p.x)),
+         p.y + std::llround(t * static_cast<double>(q.y - p.y))};
+    line.width_mm.front() += t * (line.width_mm[1] - line.width_mm.front());
+  }
+}
+
+/// As wide as the gap has room for at the ends of what is left.
+void make_room(CentreLine& line, const geom::Region& gap) {
+  if (line.closed || line.points.size() < 2) return;
+  for (int end = 0; end < 2; ++end) {
+    draw_back(line, gap, kLeastLengthMm);
+    std::reverse(line.points.begin(), line.points.end());
+    std::reverse(line.width_mm.begin(), line.width_mm.end());
+  }
+  for (const std::size_t i : {std::size_t{0}, line.points.size() - 1})
+    line.width_mm[i] = std::min(line.width_mm[i], 2 * (border_mm(gap, line.points[i]) + kEndSlackMm));
+}
 
 void add_gap_line(std::vector<Path>& out, const CentreLine& line, const BeadSize& bead, double tolerance_mm) {
   const double low = kMinGapWidth * bead.width_mm;
@@ -46,7 +132,7 @@ void add_gap_line(std::vector<Path>& out, const CentreLine& line, const BeadSize
     if (length <= 0) continue;
     // The gap is flanked by beads: its width is a spacing.
     const double spacing = std::min(area / length, high);
-    if (spacing < low || (n < 3 && length < kMinGapLength * spacing)) continue;
+    if (spacing < low) continue;
     const bool closed = line.closed && points.size() == n && points.front() == points.back();
     points = geom::simplify(points, from_mm(std::max(tolerance_mm, kGapToleranceMm)));
     if (closed) points.pop_back();
@@ -56,12 +142,24 @@ void add_gap_line(std::vector<Path>& out, const CentreLine& line, const BeadSize
   }
 }
 
+/// A line of one step that is shorter than it is wide.
+bool is_blob(const CentreLine& line) {
+  return line.points.size() < 3 &&
+         geom::length(line.points) <
+             kMinGapLength * 0.5 * (line.width_mm.front() + line.width_mm.back()) * geom::kNmPerMm;
+}
+
 }  // namespace
 
 void add_gap_lines(std::vector<Path>& out, const geom::Regions& gaps, const BeadSize& bead,
                    double tolerance_mm) {
   for (const auto& gap : gaps)
-    for (const auto& line : centre_lines(gap)) add_gap_line(out, line, bead, tolerance_mm);
+    for (const auto& centre : centre_lines(gap)) {
+      if (is_blob(centre)) continue;
+      CentreLine line = refined(centre, kWidthChange * bead.width_mm);
+      make_room(line, gap);
+      add_gap_line(out, line, bead, tolerance_mm);
+    }
 }
 
 }  // namespace voidpath::toolpath

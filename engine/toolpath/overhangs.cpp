@@ -123,7 +123,9 @@ void mark_overhangs(std::vector<Path>& paths, const geom::Regions& own, const ge
   out.reserve(paths.size());
   for (Path& path : paths) {
     const auto own_box = geom::bounds(path.points);
-    const bool wall = path.role == Role::external_perimeter || path.role == Role::perimeter;
+    // What fills the gap between two walls hangs where they do.
+    const bool wall =
+        path.role == Role::external_perimeter || path.role == Role::perimeter || path.role == Role::gap_fill;
     if (!wall || !own_box || !overlap(*own_box, box)) {
       out.push_back(std::move(path));
       continue;

@@ -1,5 +1,7 @@
 #include "engine/toolpath/pace.h"
 
+#include "engine/toolpath/layer_timer.h"
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -12,6 +14,10 @@ namespace {
 constexpr int kBisections = 24;
 /// Speeds in settings are never taken lower than this, mm/s: a print has to end.
 constexpr double kLeastSpeedMmS = 0.1;
+/// A layer is long enough when it lacks less than this, s.
+constexpr double kSameSeconds = 0.02;
+/// How often a slow-down is mended for what corners cost: each round leaves about a fifth of the error.
+constexpr int kRounds = 8;
 
 double role_speed(Role role, const SpeedSettings& s) {
   switch (role) {
@@ -80,6 +86,57 @@ double length_mm(const Path& path) {
   return sum / geom::kNmPerMm;
 }
 
+/// A layer's lengths at their speeds: no corner costs anything.
+class Lengths {
+ public:
+  Lengths(const LayerPlan& layer, std::size_t index, const PrintSettings& settings) {
+    const double travel = std::max(settings.speed.travel, kLeastSpeedMmS);
+    const geom::Point* at = nullptr;
+    for (const Path& p : layer.paths) {
+      if (p.points.empty()) continue;
+      if (at != nullptr) travel_s_ += geom::distance(*at, p.points.front()) / geom::kNmPerMm / travel;
+      at = p.closed ? &p.points.front() : &p.points.back();
+      stretches_.push_back({length_mm(p), path_speed_mm_s(p, index, settings), p.role});
+    }
+  }
+
+  double seconds(const Pace& pace) const {
+    double sum = travel_s_;
+    for (const Stretch& s : stretches_) sum += s.length / pace.apply(s.speed, s.role);
+    return sum;
+  }
+
+  /// The quickest pace that takes so long; the slowest allowed where none does.
+  double factor_for(double seconds_wanted, Pace pace) const {
+    double low = 0, high = 1;
+    for (int i = 0; i < kBisections; ++i) {
+      pace.factor = 0.5 * (low + high);
+      (seconds(pace) >= seconds_wanted ? low : high) = pace.factor;
+    }
+    return low;
+  }
+
+ private:
+  struct Stretch {
+    double length, speed;
+    Role role;
+  };
+  std::vector<Stretch> stretches_;
+  double travel_s_ = 0;
+};
+
+/// Corners cost less the slower it goes: what they cost at one pace tells the next one, until they agree.
+void slow_down(Pace& pace, const Lengths& lengths, const LayerTimer& timer, double wanted_s) {
+  pace.seconds = timer.seconds(pace);
+  for (int round = 0; round < kRounds && pace.seconds < wanted_s - kSameSeconds; ++round) {
+    const double corners = pace.seconds - lengths.seconds(pace);
+    const double factor = lengths.factor_for(wanted_s - corners, pace);
+    if (factor >= pace.factor) break;
+    pace.factor = factor;
+    pace.seconds = timer.seconds(pace);
+  }
+}
+
 }  // namespace
 
 double path_speed_mm_s(const Path& path, std::size_t layer, const PrintSettings& settings) {
@@ -108,46 +165,19 @@ double Pace::apply(double speed_mm_s, Role role) const {
   return std::max(speed_mm_s * factor, std::min(speed_mm_s, floor_mm_s));
 }
 
-Pace pace_of_layer(const LayerPlan& layer, std::size_t index, const PrintSettings& settings) {
+Pace pace_of_layer(const LayerPlan& layer, std::size_t index, const PrintSettings& settings,
+                   const motion::MachineLimits& limits, const std::vector<Travel>& travels) {
   const CoolingSettings& c = settings.cooling;
-  struct Stretch {
-    double length, speed;
-    Role role;
-  };
-  std::vector<Stretch> stretches;
-  double fixed = 0;  // seconds of travel
-  const double travel = std::max(settings.speed.travel, kLeastSpeedMmS);
-  const geom::Point* at = nullptr;
-  for (const Path& p : layer.paths) {
-    if (p.points.empty()) continue;
-    if (at != nullptr) fixed += geom::distance(*at, p.points.front()) / geom::kNmPerMm / travel;
-    at = p.closed ? &p.points.front() : &p.points.back();
-    stretches.push_back({length_mm(p), path_speed_mm_s(p, index, settings), p.role});
-  }
+  const Lengths lengths(layer, index, settings);
   Pace out;
   out.floor_mm_s = std::max(c.min_speed_mm_s, kLeastSpeedMmS);
-  auto seconds = [&](double factor) {
-    Pace trial = out;
-    trial.factor = factor;
-    double sum = fixed;
-    for (const Stretch& s : stretches) sum += s.length / trial.apply(s.speed, s.role);
-    return sum;
-  };
-  out.seconds = seconds(1);
+  out.seconds = lengths.seconds(out);
   if (!c.enabled) return out;
-  if (out.seconds < c.slow_below_s) {
-    double low = 0;
-    double high = 1;
-    for (int i = 0; i < kBisections; ++i) {
-      const double mid = 0.5 * (low + high);
-      (seconds(mid) >= c.slow_below_s ? low : high) = mid;
-    }
-    out.factor = low;
-    out.seconds = seconds(low);
-  }
+  if (out.seconds < std::max(c.slow_below_s, c.full_fan_below_s))
+    slow_down(out, lengths, LayerTimer(layer, index, settings, limits, travels), c.slow_below_s);
   const double ramp = fan_ramp(index, c);
   const double range = std::max(c.full_fan_below_s - c.slow_below_s, 1e-9);
-  const double quick = std::clamp((c.full_fan_below_s - out.seconds) / range, 0.0, 1.0);
+  const double quick = out.factor < 1 ? 1 : std::clamp((c.full_fan_below_s - out.seconds) / range, 0.0, 1.0);
   out.fan = ramp * std::clamp(c.fan_min + quick * (c.fan_max - c.fan_min), 0.0, 1.0);
   out.bridge_fan = ramp * std::max(std::clamp(c.bridge_fan, 0.0, 1.0), out.fan);
   return out;

@@ -1,9 +1,12 @@
 #pragma once
 
+#include "engine/motion/limits.h"
 #include "engine/toolpath/plan.h"
 #include "engine/toolpath/settings.h"
+#include "engine/toolpath/travel.h"
 
 #include <cstddef>
+#include <vector>
 
 /// How fast each path is printed and how much the fan blows.
 namespace voidpath::toolpath {
@@ -21,14 +24,17 @@ struct Pace {
   /// Speeds of paths that may be slowed are multiplied by this, but stay above the floor.
   double factor = 1;
   double floor_mm_s = 0;
-  double seconds = 0;     ///< of the layer at this pace, accelerations left out
+  double seconds = 0;     ///< of the layer at this pace
   double fan = 0;         ///< 0 to 1
   double bridge_fan = 0;  ///< the same over air
 
   double apply(double speed_mm_s, Role role) const;
 };
 
-/// For one layer. Travel between paths counts at travel speed.
-Pace pace_of_layer(const LayerPlan& layer, std::size_t index, const PrintSettings& settings);
+/// For one layer, whose `travels` plan_travels() found. Layers that are long enough whatever the corners cost
+/// have the seconds of their lengths at their speeds; all others are timed by the printer's planner, and
+/// slowed no further than that asks for.
+Pace pace_of_layer(const LayerPlan& layer, std::size_t index, const PrintSettings& settings,
+                   const motion::MachineLimits& limits = {}, const std::vector<Travel>& travels = {});
 
 }  // namespace voidpath::toolpath

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <memory>
 
 namespace voidpath::toolpath {
@@ -138,6 +139,25 @@ Regions anchored(const Regions& surface, double by_mm, const Regions& within) {
   return surface.empty() ? surface : quick_intersect(geom::offset(surface, from_mm(by_mm)), within);
 }
 
+/// Everywhere the region gets to when it is moved along a direction, both ways, by up to `reach_mm`.
+Regions swept(const geom::Region& region, double angle_rad, double reach_mm) {
+  const double reach = reach_mm * geom::kNmPerMm;
+  const geom::Point by{std::llround(reach * std::cos(angle_rad)), std::llround(reach * std::sin(angle_rad))};
+  geom::Rings rings;
+  const std::size_t n = region.outer.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const geom::Point &a = region.outer[i], &b = region.outer[(i + 1) % n];
+    geom::Ring strip{{a.x - by.x, a.y - by.y},
+                     {b.x - by.x, b.y - by.y},
+                     {b.x + by.x, b.y + by.y},
+                     {a.x + by.x, a.y + by.y}};
+    if (geom::area(strip) < 0) geom::reverse(strip);
+    rings.push_back(std::move(strip));
+  }
+  rings.push_back(region.outer);
+  return geom::unite(rings);
+}
+
 /// One layer's sorting.
 class Sorter {
  public:
@@ -204,9 +224,19 @@ class Sorter {
       bridge.hanging = region;
       if (!bridge.anchored && settings_.support != SupportMode::none)
         continue;  // lies on support, as plain solid
-      bridge.area = quick_subtract(anchored({region}, kBridgeAnchorMm, inner), all);
-      all = quick_unite(all, bridge.area);
       found.push_back(std::move(bridge));
+    }
+    // Neighbours share the material beside them: none takes what another's lines end on.
+    std::vector<Regions> held(found.size());
+    if (found.size() > 1)
+      for (std::size_t k = 0; k < found.size(); ++k)
+        held[k] = swept(found[k].hanging, found[k].angle_rad, kBridgeAnchorMm);
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      Regions& area = found[k].area;
+      area = quick_subtract(anchored({found[k].hanging}, kBridgeAnchorMm, inner), all);
+      for (std::size_t j = k + 1; j < found.size(); ++j)
+        area = quick_subtract(area, quick_subtract(held[j], held[k]));
+      all = quick_unite(all, area);
     }
     return all;
   }

@@ -258,13 +258,22 @@ class Checker {
       sparse_ = std::max(rules_.line_width / std::max(rules_.infill_density, 0.02), lean_);
       between_ = 0.6 * rules_.line_width / std::max(rules_.support_density, 0.02) + grid_.size;
       on_plate_ = bottom <= rules_.support_z_gap + l.height + kCutError;
-      for (const Seen& s : c.below_) {
-        if (s.top > bottom - rules_.support_z_gap + 1e-6) continue;
-        if (s.top < bottom - rules_.support_z_gap - 2 * l.height) continue;
-        if (held_up_.empty()) held_up_.assign(grid_.count(), 0);
-        for (std::size_t p = 0; p < held_up_.size(); ++p) held_up_[p] |= s.support[p];
+      Mask open(grid_.count(), 1);  // where the part itself has a gap down to the layer looked at
+      for (auto s = c.below_.rbegin(); s != c.below_.rend(); ++s) {
+        if (s->top < bottom - rules_.support_z_gap - 2 * l.height) break;
+        if (s->top <= bottom - rules_.support_z_gap + 1e-6) {
+          if (held_up_.empty()) held_up_.assign(grid_.count(), 0), close_below_ = held_up_;
+          for (std::size_t p = 0; p < held_up_.size(); ++p) {
+            held_up_[p] |= s->support[p];
+            if (open[p] != 0) close_below_[p] |= s->part[p];
+          }
+        }
+        open = without(open, s->section.most);
       }
-      if (!held_up_.empty()) support_.emplace(held_up_, grid_);
+      if (!held_up_.empty()) {
+        support_.emplace(held_up_, grid_);
+        close_.emplace(close_below_, grid_);
+      }
     }
 
     bool holds(double x, double y) {
@@ -274,7 +283,7 @@ class Checker {
       if (i < 0 || j < 0 || i >= grid_.nx || j >= grid_.ny) return false;
       const std::size_t p = grid_.at(i, j);
       if (part_.within(p, under_.section.most[p] != 0 ? sparse_ : lean_)) return true;
-      return support_.has_value() && support_->within(p, between_);
+      return support_.has_value() && (support_->within(p, between_) || close_->within(p, lean_));
     }
 
    private:
@@ -282,8 +291,9 @@ class Checker {
     const Grid& grid_;
     const Seen& under_;
     Nearby part_;
-    Mask held_up_;  ///< by support a gap below
-    std::optional<Nearby> support_;
+    Mask held_up_;      ///< by support a gap below
+    Mask close_below_;  ///< the part under a gap of its own no deeper than support's
+    std::optional<Nearby> support_, close_;
     double lean_ = 0, sparse_ = 0, between_ = 0;
     bool on_plate_ = false;
   };

@@ -43,7 +43,8 @@ struct Findings {
 /// `mesh` in plate coordinates, standing at z = 0.
 /// Surfaces: a layer's area less the next one's, without a line width at its border and the pixels' error.
 /// Held: within the lean that the angle allows of strands one layer down; over sparse infill and support as
-/// far as their lines are apart; by the plate where no support layer with its gap fits between.
+/// far as their lines are apart; by the plate, and by the part below a gap of its own, where no support
+/// layer with its gap fits between.
 Findings check(const mesh::TriangleMesh& mesh, const Print& print, const Rules& rules);
 
 }  // namespace voidpath::fidelity
