@@ -133,9 +133,11 @@ void prepare_model(const PrepareTask& task, const config::JobOverrides& override
   const auto prepared = pipeline::prepare(task.input, task.gcode_out, options, true, ctx);
   take_choice(facts, prepared.choice);
   take_estimate(facts, prepared.estimate);
-  if (prepared.as_delivered) {
-    const auto& other = *prepared.as_delivered;
-    facts.as_delivered_s = other.after_heating_s > 0 ? other.after_heating_s : other.predicted_s;
+  if (prepared.as_delivered_s) {
+    const auto& e = prepared.estimate;
+    // What comes before heating is the same for both.
+    const double before_s = e.after_heating_s > 0 ? e.predicted_s - e.after_heating_s : 0;
+    facts.as_delivered_s = *prepared.as_delivered_s - before_s;
   }
   if (facts.filament_mm <= 0) facts.filament_mm = prepared.stats.filament_mm;
   facts.notes.insert(facts.notes.end(), prepared.model.notes.begin(), prepared.model.notes.end());

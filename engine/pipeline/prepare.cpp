@@ -1,5 +1,6 @@
 #include "engine/pipeline/prepare.h"
 
+#include "engine/pipeline/search_in_time.h"
 #include "engine/pipeline/slice_part.h"
 #include "engine/pipeline/time_candidates.h"
 
@@ -30,18 +31,83 @@ orient::Choice forced(const mesh::TriangleMesh& mesh, const geom::Vec3& directio
   return choice;
 }
 
+/// Our own time of the part as delivered over that of the chosen candidate, like with like; nothing where the
+/// choice knows none.
+std::optional<double> share_as_delivered(const orient::Choice& choice) {
+  const auto& d = choice.candidates[choice.as_delivered];
+  const auto& c = choice.candidates[choice.chosen];
+  if (d.predicted_s && c.predicted_s) return *d.predicted_s / *c.predicted_s;
+  if (d.sampled_s && c.sampled_s) return *d.sampled_s / *c.sampled_s;
+  return std::nullopt;
+}
+
+/// Timed for the comparison alone.
+std::optional<double> time_as_delivered(const Prepared& p, const fs::path& gcode_out,
+                                        const PrepareOptions& options, const Budget& budget,
+                                        const run::Context& ctx) {
+  const bool limited =
+      options.orient.method == orient::Method::toolpath && !options.direction && options.now_s;
+  // A program of others' making knows no budget.
+  if (limited && (options.slicer || !budget.has_room(0))) return std::nullopt;
+  const auto& delivered = p.choice.candidates[p.choice.as_delivered];
+  const PrepareOptions how = held(options, delivered);
+  std::optional<double> out;
+  const auto time = [&](const run::Context& inner) {
+    if (!options.slicer) {
+      out = time_part(p.model.mesh, delivered, how, inner);
+      return;
+    }
+    const fs::path scratch = gcode_out.string() + ".as-delivered";
+    out = slice_part_to(p.model.mesh, delivered, how, scratch, inner).estimate.predicted_s;
+    std::error_code ec;
+    fs::remove(scratch, ec);
+  };
+  if (limited)
+    ended_in_time(budget, ctx, time);
+  else
+    time(ctx);
+  return out;
+}
+
+void compare_as_delivered(Prepared& p, const fs::path& gcode_out, const PrepareOptions& options,
+                          const Budget& budget, const run::Context& ctx) {
+  if (p.choice.as_delivered == p.choice.chosen) return;
+  auto& chosen = p.choice.candidates[p.choice.chosen];
+  auto& delivered = p.choice.candidates[p.choice.as_delivered];
+  const bool exact = !options.slicer && delivered.predicted_s && chosen.predicted_s;
+  try {
+    if (const auto share = share_as_delivered(p.choice)) {
+      p.as_delivered_s = exact ? *delivered.predicted_s : *share * p.estimate.predicted_s;
+      return;
+    }
+    p.as_delivered_s = time_as_delivered(p, gcode_out, options, budget, ctx);
+    delivered.predicted_s = p.as_delivered_s;
+  } catch (const Refused&) {
+    // As delivered it does not fit: there is nothing to compare with.
+  } catch (const std::runtime_error& e) {
+    // A foreign slicer has its own mind about what it can slice; the print itself is ready.
+    if (!options.slicer) throw;
+    p.slicer_messages.push_back(std::string("as delivered, for comparison: ") + e.what());
+  }
+}
+
 }  // namespace
 
 orient::Choice choose(const mesh::TriangleMesh& mesh, const PrepareOptions& options,
                       const run::Context& ctx) {
   if (options.direction) return forced(mesh, *options.direction, options, ctx);
-  const double began = options.now_s ? options.now_s() : 0;
-  orient::Choice choice = orient::search(mesh, options.orient, ctx);
-  if (options.orient.method != orient::Method::toolpath) return choice;
+  if (options.orient.method != orient::Method::toolpath) return orient::search(mesh, options.orient, ctx);
+  const Budget budget(options);
+  SearchInTime found = search_in_time(mesh, options, budget, ctx);
   PrepareOptions rest = options;
-  if (options.now_s) rest.budget_s -= options.now_s() - began;
-  time_candidates(mesh, rest, choice, ctx);
-  return choice;
+  rest.budget_s -= budget.spent();
+  time_candidates(mesh, rest, found.choice, ctx, found.coarser);
+  if (found.coarser) {
+    found.choice.timing.budget_spent = true;
+    found.choice.why += "; for want of time only " + std::to_string(found.choice.candidates.size()) +
+                        " directions were looked at";
+  }
+  return std::move(found.choice);
 }
 
 Prepared prepare(const fs::path& model, const fs::path& gcode_out, const PrepareOptions& options,
@@ -49,6 +115,7 @@ Prepared prepare(const fs::path& model, const fs::path& gcode_out, const Prepare
   Prepared p;
   ctx.progress("import", 0.0);
   p.model = mesh::import_model(model, options.import, ctx);
+  const Budget budget(options);
   p.choice = choose(p.model.mesh, options, ctx);
 
   auto& chosen = p.choice.candidates[p.choice.chosen];
@@ -57,24 +124,8 @@ Prepared prepare(const fs::path& model, const fs::path& gcode_out, const Prepare
   p.stats = part.stats;
   p.estimate = std::move(part.estimate);
   p.slicer_messages = std::move(part.messages);
+  if (compare) compare_as_delivered(p, gcode_out, options, budget, ctx);
   chosen.predicted_s = p.estimate.predicted_s;
-
-  auto& delivered = p.choice.candidates[p.choice.as_delivered];
-  if (!compare || p.choice.as_delivered == p.choice.chosen) return p;
-  const fs::path scratch = gcode_out.string() + ".as-delivered";
-  try {
-    p.as_delivered =
-        slice_part_to(p.model.mesh, delivered.direction, held(options, delivered), scratch, ctx).estimate;
-    delivered.predicted_s = p.as_delivered->predicted_s;
-  } catch (const Refused&) {
-    // As delivered it does not fit: there is nothing to compare with.
-  } catch (const std::runtime_error& e) {
-    // A foreign slicer has its own mind about what it can slice; the print itself is ready.
-    if (!options.slicer) throw;
-    p.slicer_messages.push_back(std::string("as delivered, for comparison: ") + e.what());
-  }
-  std::error_code ec;
-  fs::remove(scratch, ec);
   return p;
 }
 

@@ -38,8 +38,8 @@ struct PrepareOptions {
   std::optional<geom::Vec3> direction;
   toolpath::PrintSettings print;
   motion::MachineLimits limits;
-  /// Seconds that the choice may take (Method::toolpath), by this clock; the baselines are timed whatever it
-  /// says. Any thread calls it. Without a clock and without max_extra only the baselines are timed.
+  /// Seconds that the choice may take (Method::toolpath), search included, by this clock; 0: the score alone
+  /// decides. Any thread calls it, often. Without a clock and without max_extra only the baselines are timed.
   double budget_s = 20;
   std::function<double()> now_s;
   /// How many candidates may be timed beyond the baselines. With it and without a clock the result is the
@@ -56,16 +56,18 @@ struct Prepared {
   orient::Choice choice;  ///< with a forced direction: that and as delivered
   toolpath::EmitStats stats;
   gcode::Estimate estimate;
-  /// The same part as delivered, sliced and timed alike; absent when that cannot be printed or was chosen.
-  std::optional<gcode::Estimate> as_delivered;
+  /// What the same part takes as delivered, to compare with estimate.predicted_s; absent when that cannot be
+  /// printed, was chosen, or was not looked at for want of time.
+  std::optional<double> as_delivered_s;
   std::vector<std::string> slicer_messages;  ///< of a foreign slicer
 };
 
 /// Imports, orients, slices and times `model`, and writes the G-code to `gcode_out` (to a temporary beside
-/// it, renamed when complete). With `compare`, the part is also sliced as delivered, to tell the saving.
-/// A foreign slicer's G-code is taken only if it prints the part in its place and within the machine.
-/// Throws mesh::ImportError, orient::NothingFits, Refused, std::runtime_error, run::Stopped; then nothing
-/// is left at gcode_out.
+/// it, renamed when complete). With `compare` it also tells what the part takes as delivered: as the choice
+/// found, which may be from a sample of its layers, else by timing it in what is left of the budget; where a
+/// foreign slicer prints, in the proportion that our own finds. A foreign slicer's G-code is taken only if it
+/// prints the part in its place and within the machine. Throws mesh::ImportError, orient::NothingFits,
+/// Refused, std::runtime_error, run::Stopped; then nothing is left at gcode_out.
 Prepared prepare(const std::filesystem::path& model, const std::filesystem::path& gcode_out,
                  const PrepareOptions& options, bool compare, const run::Context& ctx = {});
 

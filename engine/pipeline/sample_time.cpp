@@ -10,8 +10,6 @@ namespace voidpath::pipeline {
 
 namespace {
 
-/// Layers planned for a sample: more change the result by less than what supports found in thick layers do.
-constexpr std::size_t kSamples = 40;
 /// Where more than this share of the layers would be planned, planning them all is as cheap, and exact.
 constexpr double kWorthSampling = 0.5;
 /// A layer stands for others whose rough time is at most this many times as long, or as short: rough times
@@ -45,7 +43,7 @@ double interface_cost_s(const toolpath::PrintSettings& print) {
 }  // namespace
 
 SampledTime sample_time(const mesh::TriangleMesh& mesh, const Pose& pose, const PrepareOptions& options,
-                        const run::Context& ctx) {
+                        const run::Context& ctx, std::size_t most) {
   const CutPart part = cut_part(mesh, pose, options, ctx);
   SampledTime out;
   out.layers = part.stack.size();
@@ -57,14 +55,14 @@ SampledTime sample_time(const mesh::TriangleMesh& mesh, const Pose& pose, const 
       slice.infill_pattern == toolpath::InfillPattern::lightning || slice.infill_every_layers > 1 ||
       slice.infill_direction == toolpath::InfillDirection::layer ||
       slice.support_style == toolpath::SupportStyle::tree || slice.raft_layers > 0 || slice.spiral_vase;
-  if (joined || kSamples > kWorthSampling * static_cast<double>(out.layers)) {
+  if (joined || static_cast<double>(most) > kWorthSampling * static_cast<double>(out.layers)) {
     const toolpath::Plan plan = toolpath::build(part.stack, part.print, ctx);
     if (plan.layers.empty()) throw Refused(nothing);
     out.planned = out.layers;
     out.seconds = text_time(plan, part, options, ctx, estimate);
     return out;
   }
-  const auto groups = choose_samples(part.stack, part.print, kSamples);
+  const auto groups = choose_samples(part.stack, part.print, most);
   toolpath::SampledPlan sampled = toolpath::build_samples(part.stack, groups, part.print, ctx);
   out.planned = groups.size();
   if (sampled.plan.layers.size() != groups.size()) throw Refused(nothing);

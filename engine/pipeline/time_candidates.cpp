@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 namespace voidpath::pipeline {
 
@@ -27,6 +28,8 @@ constexpr std::size_t kRefined = 2;
 /// A turn about the build axis is worth timing in full when its sample is quicker by this share; the samples
 /// of one direction err alike.
 constexpr double kTurnGain = 0.003;
+/// Of the time left, what sampling the baselines may take.
+constexpr double kSamplingShare = 0.6;
 
 std::string duration(double seconds) {
   const long minutes = std::lround(seconds / 60);
@@ -34,6 +37,14 @@ std::string duration(double seconds) {
   if (minutes < 60) return std::to_string(minutes) + " min";
   return std::to_string(minutes / 60) + " h " + (minutes % 60 < 10 ? "0" : "") +
          std::to_string(minutes % 60) + " min";
+}
+
+/// Baselines, once each, that nothing is known of.
+std::size_t untold(const Choice& choice, const Trial& trial) {
+  std::set<std::size_t> out;
+  for (const auto& [name, i] : choice.baselines)
+    if (choice.candidates[i].printable && !trial.known(i)) out.insert(i);
+  return out.size();
 }
 
 std::string explain(const Choice& choice, const Trial& trial, const std::string& by_criteria) {
@@ -52,10 +63,12 @@ std::string explain(const Choice& choice, const Trial& trial, const std::string&
   if (c.turn_rad != 0)
     out += "; turned by " + orient::number(c.turn_rad * 180 / std::numbers::pi, 0) +
            " degrees about the build axis, which prints faster";
-  if (!t.complete)
+  if (!t.complete && t.asked > 0)
     out += "; the time allowed was over before all was settled: " + std::to_string(t.in_full) + " of " +
            std::to_string(t.asked) + " directions timed in full, " + std::to_string(t.sampled) +
            " on a sample of their layers";
+  if (const std::size_t n = untold(choice, trial); n > 0)
+    out += "; " + std::to_string(n) + " of those it is to beat could not be looked at";
   return out;
 }
 
@@ -79,10 +92,13 @@ std::vector<std::size_t> in_order(const Choice& choice) {
 void sample_as_delivered(const mesh::TriangleMesh& mesh, const PrepareOptions& options, Choice& choice,
                          Trial& trial, const run::Context& ctx) {
   Candidate& d = choice.candidates[choice.as_delivered];
-  if (d.printable || d.predicted_s || d.sampled_s || !trial.budget().has_room(0)) return;
+  if (d.printable || d.predicted_s || d.sampled_s || !trial.budget().has_room(trial.expected_sampling_s(1)))
+    return;
   try {
-    const SampledTime t = sample_time(mesh, d, held(options, d), ctx);
-    (t.planned == t.layers ? d.predicted_s : d.sampled_s) = t.seconds;
+    ended_in_time(trial.budget(), ctx, [&](const run::Context& inner) {
+      const SampledTime t = sample_time(mesh, d, held(options, d), inner);
+      (t.planned == t.layers ? d.predicted_s : d.sampled_s) = t.seconds;
+    });
   } catch (const Refused&) {
     // It does not fit: there is nothing to compare with.
   }
@@ -92,6 +108,24 @@ void sample_in_waves(Trial& trial, const std::vector<std::size_t>& which) {
   for (std::size_t k = 0; k < which.size() && !trial.budget_spent(); k += kWave)
     trial.sample({which.begin() + static_cast<std::ptrdiff_t>(k),
                   which.begin() + static_cast<std::ptrdiff_t>(std::min(which.size(), k + kWave))});
+}
+
+/// The baselines are all to be looked at, and time is to be left for the quickest of them: when the first
+/// ones show that it would not, the others get a shorter look, in a hurry all of them. Returns whether it
+/// came to that.
+bool sample_baselines(Trial& trial, const std::vector<std::size_t>& baselines, bool hurry,
+                      const run::Context& ctx) {
+  bool few = hurry;
+  std::size_t wave = std::min<std::size_t>(kWave, ctx.thread_count());  // to know soon what one takes
+  for (std::size_t k = 0; k < baselines.size() && !trial.budget_spent(); k += wave, wave = kWave) {
+    const std::size_t left = baselines.size() - k;
+    const Budget& budget = trial.budget();
+    few = few || (budget.limited() && trial.expected_sampling_s(left) > kSamplingShare * budget.left());
+    trial.sample({baselines.begin() + static_cast<std::ptrdiff_t>(k),
+                  baselines.begin() + static_cast<std::ptrdiff_t>(k + std::min(left, wave))},
+                 few);
+  }
+  return few;
 }
 
 /// The quickest known, at most `count`, one a direction.
@@ -109,7 +143,10 @@ void refine(const mesh::TriangleMesh& mesh, const PrepareOptions& options, Choic
             const run::Context& ctx) {
   for (const std::size_t i : leaders(choice, trial, kRefined)) {
     if (!trial.budget().has_room(0)) return;
-    const auto added = add_neighbours(mesh, choice, i, options, ctx);
+    std::vector<std::size_t> added;
+    ended_in_time(trial.budget(), ctx, [&](const run::Context& inner) {
+      added = add_neighbours(mesh, choice, i, options, inner);
+    });
     sample_in_waves(trial, added);
     trial.settle(added);
   }
@@ -180,20 +217,27 @@ std::map<std::string, std::size_t> find_baselines(const Choice& choice) {
 }
 
 void time_candidates(const mesh::TriangleMesh& mesh, const PrepareOptions& options, Choice& choice,
-                     const run::Context& ctx) {
+                     const run::Context& ctx, bool hurry) {
   if (!choice.candidates[choice.chosen].printable) return;  // nothing stands: nothing to compare
-  const std::vector<Underside> under = undersides_of(mesh, choice, options, ctx);
-  choice.baselines = find_baselines(choice);
-  if (const auto i = least_overhang(choice, under, mesh::surface_area(mesh)))
-    choice.baselines.emplace("least overhang", *i);
   Trial trial(mesh, options, choice, ctx);
+  choice.baselines = find_baselines(choice);
+  std::vector<Underside> under;
+  if (ended_in_time(trial.budget(), ctx, [&](const run::Context& inner) {
+        under = undersides_of(mesh, choice, options, inner);
+      })) {
+    if (const auto i = least_overhang(choice, under, mesh::surface_area(mesh)))
+      choice.baselines.emplace("least overhang", *i);
+  } else {
+    under.assign(choice.candidates.size(), {});
+  }
 
   ctx.progress("time", 0);
   const std::vector<std::size_t> baselines = in_order(choice);
   std::vector<std::size_t> asked = baselines;
-  sample_in_waves(trial, baselines);
+  const bool hurried = sample_baselines(trial, baselines, hurry, ctx);
   bool settled = !trial.budget_spent() && trial.settle(baselines);
 
+  sample_as_delivered(mesh, options, choice, trial, ctx);
   std::size_t left = options.max_extra.value_or(options.now_s ? choice.candidates.size() : 0);
   const NextCandidates queue(choice, under, [&](std::size_t i) { return trial.known(i); });
   while (left > 0 && settled && !trial.budget_spent()) {
@@ -224,9 +268,8 @@ void time_candidates(const mesh::TriangleMesh& mesh, const PrepareOptions& optio
   }
   t.sample_error = trial.sample_error();
   t.complete = settled;
-  t.budget_spent = trial.budget_spent() || !all_in_full;
+  t.budget_spent = trial.budget_spent() || !all_in_full || hurried;
   pick(choice, trial);
-  sample_as_delivered(mesh, options, choice, trial, ctx);
   choice.why = explain(choice, trial, orient::explain(choice));
 }
 

@@ -22,6 +22,11 @@ constexpr double kUntriedError = 0.10;
 constexpr std::size_t kTried = 3;
 /// Never trusted to more than this: directions may differ in what samples miss.
 constexpr double kLeastError = 0.04;
+/// Before the first full timing: what it takes of a sample's cost times the layers that it plans for each of
+/// the sample's. Less than 1, since samples cut the whole part as well.
+constexpr double kLayersCost = 0.65;
+/// What a sample of few layers takes of what the usual one does: the whole part is cut for either.
+constexpr double kFewCost = 0.5;
 /// The largest deviation seen so far is not the largest there is.
 constexpr double kErrorMargin = 1.5;
 
@@ -34,18 +39,11 @@ double median(std::vector<double> v) {
 
 }  // namespace
 
-Budget::Budget(const PrepareOptions& options)
-    : now_s_(options.now_s), budget_s_(options.budget_s), began_(now_s_ ? now_s_() : 0) {}
-
-double Budget::spent() const { return now_s_ ? now_s_() - began_ : 0; }
-
-double Budget::fraction() const { return budget_s_ > 0 ? std::min(1.0, spent() / budget_s_) : 1; }
-
 Trial::Trial(const mesh::TriangleMesh& mesh, const PrepareOptions& options, orient::Choice& choice,
              const run::Context& ctx)
     : mesh_(mesh), options_(options), choice_(choice), ctx_(ctx), budget_(options) {}
 
-void Trial::run(const std::vector<std::size_t>& which,
+bool Trial::run(const std::vector<std::size_t>& which,
                 const std::function<void(std::size_t, const run::Context&)>& body) {
   costs_.resize(choice_.candidates.size());
   run::Context inner = ctx_;
@@ -53,46 +51,45 @@ void Trial::run(const std::vector<std::size_t>& which,
   // One candidate a thread; threads that are left over help.
   inner.threads =
       std::max(1U, ctx_.thread_count() / static_cast<unsigned>(std::max<std::size_t>(which.size(), 1)));
+  std::atomic<bool> in_time{true};
   run::parallel_for(ctx_, which.size(), [&](std::size_t k) {
     Candidate& c = choice_.candidates[which[k]];
     try {
-      body(which[k], inner);
+      if (!ended_in_time(budget_, inner, [&](const run::Context& ctx) { body(which[k], ctx); }))
+        in_time = false;
     } catch (const Refused& e) {
       c.printable = false;
       c.why = e.what();
     }
   });
   ctx_.progress("time", budget_.fraction());
+  return in_time;
 }
 
-void Trial::sample(const std::vector<std::size_t>& which) {
+void Trial::sample(const std::vector<std::size_t>& which, bool few) {
   std::atomic<bool> spent{false};
-  run(which, [&](std::size_t i, const run::Context& inner) {
+  const bool in_time = run(which, [&](std::size_t i, const run::Context& inner) {
     Candidate& c = choice_.candidates[i];
     if (c.predicted_s || c.sampled_s) return;
-    double expected = 0;
-    {
-      const std::lock_guard lock(mutex_);
-      expected = samples_ > 0 ? samples_s_ / samples_ : 0;
-    }
-    if (!budget_.has_room(expected)) {
+    if (!budget_.has_room(expected_sample_s(few))) {
       spent = true;
       return;
     }
     const double began = budget_.spent();
-    const SampledTime t = sample_time(mesh_, c, options_, inner);
+    const SampledTime t = sample_time(mesh_, c, options_, inner, few ? kFewSamples : kSamples);
     (t.planned == t.layers ? c.predicted_s : c.sampled_s) = t.seconds;
     const double took = budget_.spent() - began;
     const std::lock_guard lock(mutex_);
     costs_[i] = {took, t.layers > 0 ? static_cast<double>(t.planned) / static_cast<double>(t.layers) : 1};
-    samples_s_ += took;
-    ++samples_;
+    Spent& sum = few ? few_samples_ : samples_;
+    sum.seconds += took;
+    ++sum.count;
   });
-  budget_spent_ = budget_spent_ || spent;
+  budget_spent_ = budget_spent_ || spent || !in_time;
 }
 
 void Trial::time_full(const std::vector<std::size_t>& which) {
-  run(which, [&](std::size_t i, const run::Context& inner) {
+  const bool in_time = run(which, [&](std::size_t i, const run::Context& inner) {
     Candidate& c = choice_.candidates[i];
     const double began = budget_.spent();
     c.predicted_s = time_part(mesh_, c, options_, inner);
@@ -103,12 +100,25 @@ void Trial::time_full(const std::vector<std::size_t>& which) {
       ++fulls_;
     }
   });
+  budget_spent_ = budget_spent_ || !in_time;
+}
+
+double Trial::expected_sample_s(bool few) const {
+  const std::lock_guard lock(mutex_);
+  if (few && few_samples_.count > 0) return few_samples_.seconds / few_samples_.count;
+  const double each = samples_.count > 0 ? samples_.seconds / samples_.count : 0;
+  return few ? each * kFewCost : each;
+}
+
+double Trial::expected_sampling_s(std::size_t count) const {
+  const auto threads =
+      static_cast<double>(std::min<std::size_t>(ctx_.thread_count(), std::max<std::size_t>(count, 1)));
+  return expected_sample_s(false) * static_cast<double>(count) / threads;
 }
 
 double Trial::expected_full_s(std::size_t i) const {
   if (i >= costs_.size()) return 0;
-  // Before the first: as if all of the work were in the layers that a sample leaves out.
-  const double ratio = fulls_ > 0 ? full_over_sample_ / fulls_ : 1 / costs_[i].share;
+  const double ratio = fulls_ > 0 ? full_over_sample_ / fulls_ : kLayersCost / costs_[i].share;
   return costs_[i].sample_s * ratio;
 }
 

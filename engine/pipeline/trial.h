@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/pipeline/budget.h"
 #include "engine/pipeline/prepare.h"
 
 #include <cstddef>
@@ -10,25 +11,9 @@
 
 namespace voidpath::pipeline {
 
-/// What is left of a choice's time. The clock is the caller's; any thread may ask.
-class Budget {
- public:
-  explicit Budget(const PrepareOptions& options);
-
-  double spent() const;
-  /// Whether something that takes so long would end in time.
-  bool has_room(double seconds) const { return !now_s_ || spent() + seconds < budget_s_; }
-  double fraction() const;
-
- private:
-  const std::function<double()>& now_s_;
-  double budget_s_;
-  double began_;
-};
-
 /// Times candidates of one choice: on a sample of their layers, or in full. Which come first is the caller's
-/// affair. Steps are the same on one thread and on many; the budget is looked at before each candidate, and
-/// only where it ends may two machines differ.
+/// affair. Steps are the same on one thread and on many. The budget is looked at before each candidate, and
+/// what is under way when it ends is given up: only there may two machines differ.
 class Trial {
  public:
   /// All must outlive it.
@@ -36,8 +21,10 @@ class Trial {
         const run::Context& ctx);
 
   /// On a sample of layers; a part of few layers is timed in full at once. Those known already are passed
-  /// over, those that turn out not to be printable are marked so.
-  void sample(const std::vector<std::size_t>& which);
+  /// over, those that turn out not to be printable are marked so. `few`: on fewer layers, for a hurry.
+  void sample(const std::vector<std::size_t>& which, bool few = false);
+  /// What sampling so many more would take on all threads, going by those so far.
+  double expected_sampling_s(std::size_t count) const;
   /// Times in full, least sampled time first, whoever may be quicker than the quickest so far as far as the
   /// samples can be trusted. False when the budget ended that.
   bool settle(const std::vector<std::size_t>& among);
@@ -50,7 +37,7 @@ class Trial {
   double sample_error() const;
   /// The quickest in full.
   std::optional<std::size_t> best() const;
-  Budget& budget() { return budget_; }
+  const Budget& budget() const { return budget_; }
   bool budget_spent() const { return budget_spent_; }
 
  private:
@@ -60,8 +47,10 @@ class Trial {
   };
 
   void time_full(const std::vector<std::size_t>& which);
-  void run(const std::vector<std::size_t>& which,
+  /// False when the budget ended before the last of them.
+  bool run(const std::vector<std::size_t>& which,
            const std::function<void(std::size_t, const run::Context&)>& body);
+  double expected_sample_s(bool few) const;
   double expected_full_s(std::size_t i) const;
   std::vector<double> deviations() const;
   double bias() const;
@@ -74,9 +63,12 @@ class Trial {
   Budget budget_;
   bool budget_spent_ = false;
   std::vector<Cost> costs_;
-  std::mutex mutex_;
-  double samples_s_ = 0;
-  int samples_ = 0;
+  mutable std::mutex mutex_;
+  struct Spent {
+    double seconds = 0;
+    int count = 0;
+  };
+  Spent samples_, few_samples_;
   double full_over_sample_ = 0;  ///< sum of the ratios of costs
   int fulls_ = 0;
 };

@@ -7,7 +7,7 @@
 
 namespace voidpath::run {
 
-/// Thrown by Context::check() when the caller asked the work to stop.
+/// Thrown by Context::check() when the caller asked the work to stop, or its time is over.
 class Stopped : public std::exception {
  public:
   const char* what() const noexcept override { return "stopped on request"; }
@@ -22,9 +22,12 @@ struct Context {
   std::function<void(std::string_view phase, double fraction)> on_progress;
   /// Upper bound on worker threads; 0 means one per processor. Results never depend on it.
   unsigned threads = 0;
+  /// Asked by every check(): whether the time allowed for this work is over. Must be thread-safe and quick.
+  /// Whoever sets it catches the Stopped that follows.
+  std::function<bool()> over;
 
   void check() const {
-    if (stop.stop_requested()) throw Stopped();
+    if (stop.stop_requested() || (over && over())) throw Stopped();
   }
   void progress(std::string_view phase, double fraction) const {
     if (on_progress) on_progress(phase, fraction);

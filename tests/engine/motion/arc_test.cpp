@@ -117,3 +117,21 @@ TEST_CASE("an arc takes the time of its length once up to speed", "[motion]") {
   // not yet known to be an arc's and may cost a little more.
   CHECK(recorder.busy_t() == Approx(62.8 / 30 + 0.03).epsilon(0.01));
 }
+
+TEST_CASE("a tight arc goes as fast as its curvature allows, and takes the time for it", "[motion]") {
+  Recorder recorder;
+  Planner planner(plain_limits(), &recorder);
+  planner.reset_position({2, 0, 0, 0});
+  Arc arc;
+  arc.from_d = {2, 0, 0, 0};
+  arc.to_d = arc.from_d;
+  arc.center_x_d = -2;
+  arc.extra_turns = 9;
+  arc.feed_v = 200;
+  cut_arc(arc, planner.limits(), [&](const Move& m, const Chord& c) { planner.chord_to(m, c); });
+  planner.finish();
+  // Ten turns of r = 2, the way along their chords: 125.6 mm, at √(a·r) = √(1000·2) = 44.72 mm/s. Both ramps
+  // cost 44.72/1000/2 s each.
+  const double cruise_v = std::sqrt(1000.0 * 2);
+  CHECK(recorder.busy_t() == Approx(125.6 / cruise_v + cruise_v / 1000).epsilon(0.01));
+}

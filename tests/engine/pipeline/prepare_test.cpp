@@ -2,6 +2,7 @@
 
 #include "engine/gcode/estimate.h"
 #include "engine/mesh/write.h"
+#include "engine/pipeline/slice_part.h"
 #include "tests/support/meshes.h"
 
 #include <cstdlib>
@@ -62,9 +63,9 @@ TEST_CASE("a forced direction is printed, and compared with as delivered") {
   CHECK(chosen.direction == geom::Vec3::UnitX());
   CHECK(chosen.criteria.height_mm == Approx(8));
   CHECK(p.stats.layers == 20);
-  REQUIRE(p.as_delivered);
-  CHECK(p.as_delivered->layers.size() == 75);
-  CHECK(p.as_delivered->predicted_s > p.estimate.predicted_s);
+  REQUIRE(p.as_delivered_s);
+  CHECK(*p.as_delivered_s == pipeline::time_part(p.model.mesh, geom::Vec3(0, 0, 1), o, {}));
+  CHECK(*p.as_delivered_s > p.estimate.predicted_s);
   CHECK(folder.count() == 2);  // the model and the G-code
   // What was predicted is what the file takes.
   CHECK(gcode::estimate_file(folder.gcode(), o.limits).predicted_s == p.estimate.predicted_s);
@@ -78,8 +79,8 @@ TEST_CASE("a prepared part is the quickest of what was timed") {
     CAPTURE(name);
     CHECK(p.estimate.predicted_s <= p.choice.candidates[i].predicted_s.value_or(1e300));
   }
-  REQUIRE(p.as_delivered);
-  CHECK(p.as_delivered->predicted_s == p.choice.candidates[p.choice.as_delivered].predicted_s);
+  REQUIRE(p.as_delivered_s);
+  CHECK(p.as_delivered_s == p.choice.candidates[p.choice.as_delivered].predicted_s);
 }
 
 TEST_CASE("what does not fit is refused and leaves nothing behind") {

@@ -131,48 +131,6 @@ TEST_CASE("without time nothing is timed, and the answer says so") {
   CHECK(choice.chosen == orient::search(mesh, o.orient).chosen);  // by its score
 }
 
-TEST_CASE("the budget is kept by the clock, and more time means more candidates and no worse an answer") {
-  const auto mesh = egg();
-  PrepareOptions o = egg_options();
-  orient::Choice base = orient::search(mesh, o.orient);
-  run::Context one;
-  one.threads = 1;
-  std::size_t before = 0;
-  double best_before = 1e300;
-  for (const double budget_s : {60.0, 150.0, 400.0}) {
-    // Time passes only with being looked at: a second each time, several times a slicing.
-    double now = 0;
-    o.now_s = [&] { return now += 1; };
-    o.budget_s = budget_s;
-    orient::Choice choice = base;
-    pipeline::time_candidates(mesh, o, choice, one);
-    const std::size_t timed = count_timed(choice);
-    CHECK(timed > before);
-    CHECK(now <= budget_s + 8);  // the last looks find that nothing is left
-    before = timed;
-    const double best = *choice.candidates[choice.chosen].predicted_s;
-    CHECK(best <= best_before);
-    best_before = best;
-  }
-}
-
-TEST_CASE("no candidate is started that would end after the budget") {
-  const auto mesh = egg();
-  PrepareOptions o = egg_options();
-  run::Context one;
-  one.threads = 1;
-  // The clock stands still but while something is sliced: then it goes on by 10 s, more than there are.
-  double now = 0;
-  int looks = 0;
-  o.now_s = [&] { return ++looks % 3 == 0 ? (now += 10) : now; };
-  o.budget_s = 25;
-  orient::Choice choice = orient::search(mesh, o.orient);
-  pipeline::time_candidates(mesh, o, choice, one);
-  CHECK(count_timed(choice) > 0);
-  CHECK(now <= 45);  // what was begun in time may end after it; some looks are not at slicings
-  CHECK(choice.timing.budget_spent);
-}
-
 TEST_CASE("a budget that is not spent leaves no trace in the answer") {
   const auto mesh = test::table(30, 20, 24, 3, 4);
   PrepareOptions o = quick_options();

@@ -67,6 +67,19 @@ TEST_CASE("a stop request ends the work as Stopped") {
   CHECK_NOTHROW(Context{}.check());
 }
 
+TEST_CASE("work whose time is over ends as Stopped, though nobody asked it to stop") {
+  for (const unsigned threads : {1u, 4u}) {
+    std::atomic<int> calls{0};
+    Context ctx;
+    ctx.threads = threads;
+    ctx.over = [&] { return calls >= 10; };
+    CHECK_THROWS_AS(parallel_for(ctx, 100'000, [&](std::size_t) { ++calls; }), Stopped);
+    CHECK(calls >= 10);
+    CHECK(calls < 100'000);
+    CHECK_FALSE(ctx.stop.stop_requested());
+  }
+}
+
 TEST_CASE("the context has at least one thread and passes progress on") {
   Context ctx;
   CHECK(ctx.thread_count() >= 1);
