@@ -1,6 +1,7 @@
 #include "daemon/jobs/job_store.h"
 
 #include "daemon/jobs/facts_json.h"
+#include "daemon/jobs/limits_json.h"
 #include "daemon/jobs/schema.h"
 
 #include <cmath>
@@ -149,13 +150,34 @@ PrinterMemory JobStore::printer(const std::string& name) {
 
 void JobStore::save_printer(const std::string& name, const PrinterMemory& memory) {
   database_
-      .prepare("INSERT OR REPLACE INTO printers (name, bed_clear, held, firmware, may_be_hot) VALUES (?,?,?,?,?)")
+      .prepare(
+          "INSERT OR REPLACE INTO printers (name, bed_clear, held, firmware, may_be_hot) VALUES (?,?,?,?,?)")
       .bind(name)
       .bind(std::int64_t{memory.bed_clear})
       .bind(memory.held)
       .bind(memory.firmware)
       .bind(std::int64_t{memory.may_be_hot})
       .run();
+}
+
+std::optional<KeptLimits> JobStore::limits(const std::string& printer) {
+  auto row = database_.prepare("SELECT wiring, machine, limits FROM printer_limits WHERE name = ?");
+  row.bind(printer);
+  if (!row.step()) return std::nullopt;
+  return KeptLimits{row.text(0), row.text(1), limits_from(row.text(2))};
+}
+
+void JobStore::save_limits(const std::string& printer, const KeptLimits& kept) {
+  database_.prepare("INSERT OR REPLACE INTO printer_limits (name, wiring, machine, limits) VALUES (?,?,?,?)")
+      .bind(printer)
+      .bind(kept.wiring)
+      .bind(kept.machine)
+      .bind(to_text(kept.limits))
+      .run();
+}
+
+void JobStore::forget_limits(const std::string& printer) {
+  database_.prepare("DELETE FROM printer_limits WHERE name = ?").bind(printer).run();
 }
 
 void JobStore::open_record(PrintRecord& record) {

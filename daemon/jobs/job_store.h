@@ -3,6 +3,7 @@
 #include "daemon/jobs/database.h"
 #include "daemon/jobs/job.h"
 #include "engine/calibrate/correction.h"
+#include "firmware-io/firmware_limits.h"
 
 #include <filesystem>
 #include <map>
@@ -19,6 +20,13 @@ struct PrinterMemory {
   std::string held;
   std::string firmware;
   bool may_be_hot = false;  ///< a print began, and did not end with the printer's own heaters known to be off
+};
+
+/// How a printer's firmware last said it is set up, and which printer that was.
+struct KeptLimits {
+  std::string wiring;   ///< port and profile of the configuration: others may belong to another machine
+  std::string machine;  ///< what the firmware called itself
+  fw::FirmwareLimits limits;
 };
 
 struct LoggedEvent {
@@ -57,6 +65,9 @@ class JobStore {
 
   PrinterMemory printer(const std::string& name);
   void save_printer(const std::string& name, const PrinterMemory& memory);
+  std::optional<KeptLimits> limits(const std::string& printer);
+  void save_limits(const std::string& printer, const KeptLimits& kept);
+  void forget_limits(const std::string& printer);
 
   /// A record in state "open"; sets its id.
   void open_record(PrintRecord& record);

@@ -16,6 +16,12 @@ bool ends_print(const fw::Event& event) {
          std::holds_alternative<fw::Disconnected>(event.what);
 }
 
+std::string wiring_of(const config::PrinterConfig& config) { return config.port + "\n" + config.profile; }
+
+std::string machine_of(const fw::FirmwareInfo& firmware) {
+  return firmware.name + "\n" + firmware.machine + "\n" + firmware.uuid;
+}
+
 }  // namespace
 
 Printer::Printer(Executor& loop, config::PrinterConfig config, fw::PortOptions options, PortServices services,
@@ -88,6 +94,9 @@ void Printer::take(const fw::Event& event) {
     connected_ = true;
     offline_reason_.clear();
     if (!up->firmware.name.empty()) memory.firmware = up->firmware.name;
+    const std::string machine = machine_of(up->firmware);
+    if (machine != machine_) limits_.reset();
+    machine_ = machine;
   } else if (const auto* down = std::get_if<fw::Disconnected>(&event.what)) {
     connected_ = false;
     offline_reason_ = down->reason;
@@ -110,6 +119,17 @@ void Printer::take(const fw::Event& event) {
     record.reset();
     timer_.reset();
   }
+}
+
+std::optional<KeptLimits> Printer::kept_limits() const {
+  if (!limits_) return std::nullopt;
+  return KeptLimits{wiring_of(config_), machine_, *limits_};
+}
+
+void Printer::recall(const KeptLimits& kept) {
+  if (kept.wiring != wiring_of(config_)) return;
+  machine_ = kept.machine;
+  limits_ = kept.limits;
 }
 
 /// A mock that was started again publishes another clock file under the same name.

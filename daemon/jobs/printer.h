@@ -59,8 +59,13 @@ class Printer {
   const std::map<std::string, fw::Temperature>& temperatures() const noexcept { return temperatures_; }
   const PrintTimer* timer() const noexcept { return timer_ ? &*timer_ : nullptr; }
   const fw::LinkStats& link() const noexcept { return link_; }
-  /// How the firmware said it is set up, at the last connection in which it did.
+  /// How the firmware said it is set up, at the last connection in which it did, or as recall() was told;
+  /// gone when another machine answers.
   const std::optional<fw::FirmwareLimits>& limits() const noexcept { return limits_; }
+  /// These, to be kept for the next run.
+  std::optional<KeptLimits> kept_limits() const;
+  /// What an earlier run kept; not taken where the configuration has another port or profile since.
+  void recall(const KeptLimits& kept);
   std::uint64_t file_position() const noexcept { return position_; }
   std::uint64_t file_size() const noexcept { return size_; }
 
@@ -119,6 +124,7 @@ class Printer {
   std::optional<PrintTimer> timer_;
   fw::LinkStats link_;
   std::optional<fw::FirmwareLimits> limits_;
+  std::string machine_;  ///< whose they are
   std::uint64_t position_ = 0;
   std::uint64_t size_ = 0;
   std::string pause_reason_;

@@ -40,6 +40,7 @@ Runner::~Runner() {
 void Runner::start() {
   for (auto& printer : printers_) {
     printer->memory = s_.store.printer(printer->name());
+    recall_limits(*printer);
     // What an earlier run left on the bed is not known to be gone, whatever clears it after a finished print.
     if (printer->config().auto_clear && !printer->memory.known) printer->memory.bed_clear = true;
   }

@@ -117,6 +117,8 @@ class Runner {
 
   void on_printer_event(Printer& printer, const fw::Event& event);
   void compare_limits(Printer& printer);
+  void recall_limits(Printer& printer);
+  void keep_limits(Printer& printer);
   void on_print_end(Printer& printer, const fw::Event& event);
   void on_prepared(JobId id, PrepareResult result);
   void correct(const Job& job, JobFacts& facts);

@@ -17,10 +17,12 @@ void Runner::on_printer_event(Printer& printer, const fw::Event& event) {
       for (const char* line : {"M104 S0", "M140 S0", "M107"}) printer.command(line);
     }
     save_memory(printer);
+    if (!printer.limits()) keep_limits(printer);
     want_schedule();
   } else if (const auto* down = std::get_if<fw::Disconnected>(&what)) {
     s_.log.warning("disconnected", {{"printer", printer.name()}, {"reason", down->reason}});
   } else if (std::holds_alternative<fw::LimitsKnown>(what)) {
+    keep_limits(printer);
     compare_limits(printer);
   } else if (const auto* message = std::get_if<fw::Message>(&what)) {
     s_.log.info("printer", {{"printer", printer.name()}, {"text", message->text}});
@@ -46,6 +48,30 @@ void Runner::on_printer_event(Printer& printer, const fw::Event& event) {
     happen(*job, Event::printer_resumed, [](Job& j) { j.message.clear(); });
   } else {
     on_print_end(printer, event);
+  }
+}
+
+/// So that what is prepared before the printer answers goes by what it said last.
+void Runner::recall_limits(Printer& printer) {
+  try {
+    if (const auto kept = s_.store.limits(printer.name())) printer.recall(*kept);
+  } catch (const std::exception& error) {
+    s_.log.warning("store", {{"printer", printer.name()}, {"reason", error.what()}});
+  }
+  if (printer.limits()) compare_limits(printer);
+}
+
+/// A printer that is another one now, and says nothing of itself, leaves nothing to be kept.
+void Runner::keep_limits(Printer& printer) {
+  if (!printer.limits()) printer.limits_differ.clear();
+  try {
+    if (const auto kept = printer.kept_limits())
+      s_.store.save_limits(printer.name(), *kept);
+    else
+      s_.store.forget_limits(printer.name());
+  } catch (const StoreError& error) {
+    // Nothing is lost but time: the next connection tells them again.
+    s_.log.warning("store", {{"printer", printer.name()}, {"reason", error.what()}});
   }
 }
 

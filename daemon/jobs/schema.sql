@@ -6,6 +6,13 @@ CREATE TABLE IF NOT EXISTS printers (
   may_be_hot INTEGER NOT NULL DEFAULT 0   -- a print was cut off: heaters off at the next connection
 );
 
+CREATE TABLE IF NOT EXISTS printer_limits (
+  name    TEXT PRIMARY KEY,
+  wiring  TEXT NOT NULL,                  -- port and profile it was asked at: another one may be another machine
+  machine TEXT NOT NULL,                  -- what the firmware called itself
+  limits  TEXT NOT NULL                   -- JSON
+);
+
 CREATE TABLE IF NOT EXISTS jobs (
   id          INTEGER PRIMARY KEY AUTOINCREMENT,
   printer     TEXT NOT NULL,

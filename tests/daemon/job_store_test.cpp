@@ -294,3 +294,32 @@ TEST_CASE("a file that is no database is refused by name") {
   const auto file = dir.write("db", std::string(4096, 'x'));
   CHECK_THROWS_WITH(JobStore(file), Catch::Contains("db"));
 }
+
+TEST_CASE("a printer's limits come back as they were said, and go when forgotten") {
+  TempDir dir;
+  KeptLimits kept;
+  kept.wiring = "/dev/ttyACM0\nprusa-mk3";
+  kept.machine = "Marlin 2.1.2\nEnder\n";
+  kept.limits.steps_per_mm = {80, 80.1234567890123, std::nullopt, 93};
+  kept.limits.jerk_mm_s[2] = 0.4;
+  kept.limits.junction_deviation_mm = 0.013;
+  kept.limits.min_segment_time_s = 0.02;
+  kept.limits.volume = voidpath::fw::MachineBox{{-1, 0, 0}, {220, 220, 250.5}};
+  {
+    JobStore store(dir / "db");
+    CHECK_FALSE(store.limits("left"));
+    store.save_limits("left", kept);
+  }
+  JobStore store(dir / "db");
+  const auto back = store.limits("left");
+  REQUIRE(back);
+  CHECK(back->wiring == kept.wiring);
+  CHECK(back->machine == kept.machine);
+  CHECK(back->limits == kept.limits);
+  CHECK_FALSE(store.limits("right"));
+  // Nothing said is nothing kept.
+  store.save_limits("left", {"a", "b", {}});
+  CHECK(store.limits("left")->limits == voidpath::fw::FirmwareLimits{});
+  store.forget_limits("left");
+  CHECK_FALSE(store.limits("left"));
+}

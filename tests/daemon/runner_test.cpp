@@ -70,6 +70,61 @@ TEST_CASE("what a printer says of itself goes with every job prepared from then 
   CHECK(used[1] == 700.0);
 }
 
+TEST_CASE("what a printer said of itself holds for jobs prepared before it answers again") {
+  RunnerRig rig;
+  rig.config.printers[0].profile = "generic-marlin";
+  rig.config.printers[0].port = "/dev/ttyA";
+  rig.restart();
+  std::mutex mutex;
+  std::vector<std::optional<double>> used;
+  const auto usual = rig.prepare;
+  rig.prepare = [&](const PrepareTask& task, const voidpath::run::Context& ctx) {
+    const std::lock_guard lock(mutex);
+    used.push_back(task.firmware ? task.firmware->print_acceleration_mm_s2 : std::nullopt);
+    return usual(task, ctx);
+  };
+  const auto used_for = [&](const std::string& name) {
+    rig.drop(name);
+    // The first in the queue waits for the bed, the others behind it.
+    REQUIRE(rig.loop.run_until([&] {
+      const auto state = rig.state_of(name);
+      return state == State::waiting_bed || state == State::ready;
+    }));
+    return used.back();
+  };
+  const auto answer_as = [&](const std::string& machine) {
+    fw::FirmwareInfo info;
+    info.name = "Marlin test";
+    info.machine = machine;
+    rig.printer.say(fw::Connected{info});
+    rig.loop.run();
+  };
+  voidpath::fw::FirmwareLimits limits;
+  limits.print_acceleration_mm_s2 = 700;
+  answer_as("one");
+  rig.printer.say(voidpath::fw::LimitsKnown{limits});
+  rig.loop.run();
+
+  rig.restart();
+  CHECK_FALSE(rig.runner->printer("left").limits_differ.empty());  // told before it is connected, too
+  CHECK(used_for("early.stl") == 700.0);
+  answer_as("one");
+  CHECK(used_for("same.stl") == 700.0);
+
+  SECTION("not once another machine answers, nor after that") {
+    answer_as("another");
+    CHECK_FALSE(used_for("other.stl"));
+    CHECK(rig.runner->printer("left").limits_differ.empty());
+    rig.restart();
+    CHECK_FALSE(used_for("later.stl"));
+  }
+  SECTION("not where the configuration names another port") {
+    rig.config.printers[0].port = "/dev/ttyB";
+    rig.restart();
+    CHECK_FALSE(used_for("other.stl"));
+  }
+}
+
 TEST_CASE("one print at a time, in order; each waits for its own clear bed") {
   RunnerRig rig;
   rig.connect();
