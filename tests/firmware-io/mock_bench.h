@@ -80,6 +80,7 @@ class MockBench {
   std::vector<std::string> log;                        ///< what the printer executed, in order
   std::function<void(const std::string&)> on_output;   ///< what the driver writes
   std::function<std::string(std::string)> to_printer;  ///< damages it
+  std::function<std::string(std::string)> to_host;     ///< damages what the printer said
   std::function<void(const std::string&)> on_input;    ///< what it reads
   double read_every_s = 0;                             ///< a host too busy to read more often
 
@@ -110,7 +111,8 @@ class MockBench {
     if (read_every_s > 0) next = std::max(next, printer.now() + read_every_s);
     printer.advance_to(next);
     clock.now = std::max(t(), next + kStart);
-    const std::string said = printer.take_output();
+    std::string said = printer.take_output();
+    if (to_host && !said.empty()) said = to_host(std::move(said));
     if (const auto seconds = printer.take_unplug()) {
       driver.lost("unplugged");
       unplugged_until_ = t() + *seconds;

@@ -1,13 +1,11 @@
 #include "tests/firmware-io/soak.h"
 
 #include "tests/firmware-io/mock_bench.h"
-#include "tests/mock_printer/unpacker.h"
+#include "tests/firmware-io/witness.h"
 
-#include <charconv>
+#include <algorithm>
 #include <cmath>
-#include <map>
 #include <random>
-#include <set>
 
 namespace voidpath::test {
 namespace {
@@ -121,93 +119,6 @@ Fault any_fault(Dice& dice, std::size_t lines, std::string& what) {
   }
 }
 
-/// Knows what the driver sent under which number, from its bytes, and checks what the printer took.
-class Witness {
- public:
-  void sent(const std::string& bytes) {
-    std::string text;
-    bool told = false;
-    for (const char c : bytes) unpacker_.take(c, text, told);
-    for (const char c : text) {
-      if (c != '\n') {
-        line_ += c;
-        continue;
-      }
-      take(std::exchange(line_, {}));
-    }
-  }
-  void accepted(std::string_view text, std::optional<std::int64_t> number) {
-    if (!number) {
-      if (raw_.count(std::string(text)) == 0 && !text.empty()) ++invisible;
-      return;
-    }
-    if (text.starts_with("M110")) {
-      last_ = *number;
-      if (*number != 0) ++invisible;
-      return;
-    }
-    if (*number != last_ + 1)
-      violation = "line " + std::to_string(*number) + " after " + std::to_string(last_);
-    last_ = *number;
-    const auto known = numbered_.find(*number);
-    if (known == numbered_.end() || known->second != text) {
-      ++invisible;
-    } else {
-      taken.push_back(known->second);
-    }
-  }
-
-  int invisible = 0;
-  std::string violation;
-  std::vector<std::string> taken;  ///< numbered lines as they were sent, in the order they were taken
-  std::vector<std::string> lines;  ///< numbered lines in the order of their first sending
-
- private:
-  void take(const std::string& line) {
-    if (line.empty()) return;
-    std::int64_t number = -1;
-    const auto star = line.rfind('*');
-    if (line[0] != 'N' || star == line.npos) {
-      raw_.insert(line);
-      return;
-    }
-    const auto digits = std::from_chars(line.data() + 1, line.data() + star, number);
-    std::string text(digits.ptr, line.data() + star);
-    text.erase(0, text.find_first_not_of(' '));
-    if (text.starts_with("M110")) return numbered_.clear();
-    const auto [at, fresh] = numbered_.emplace(number, text);
-    if (!fresh && at->second != text && without_blanks(at->second) == without_blanks(text)) at->second = text;
-    if (!fresh && at->second != text) violation = "number " + std::to_string(number) + " given to two lines";
-    if (fresh) lines.push_back(text);
-  }
-  static std::string without_blanks(std::string text) {
-    std::erase(text, ' ');
-    return text;
-  }
-
-  mock::Unpacker unpacker_;
-  std::string line_;
-  std::map<std::int64_t, std::string> numbered_;
-  std::set<std::string> raw_;
-  std::int64_t last_ = 0;
-};
-
-bool is_own(const std::string& line) {
-  static const std::set<std::string> kOwn = {"M110", "M115", "M503", "M211", "M155", "M105",
-                                             "M400", "M104", "M140", "M84",  "M108", "M112"};
-  return kOwn.count(line.substr(0, line.find(' '))) > 0;
-}
-
-std::vector<std::string> of_file(const std::vector<std::string>& lines) {
-  std::vector<std::string> out;
-  for (std::string line : lines) {
-    if (is_own(line)) continue;
-    if (line[0] == 'G') std::erase(line, ' ');
-    out.push_back(line);
-  }
-  return out;
-}
-
 // Until the print is over, or three hours have passed.
 bool see_through(MockBench& bench, SoakPrint& print) {
   double comes = 0;
@@ -227,10 +138,11 @@ bool see_through(MockBench& bench, SoakPrint& print) {
       kLongest_s);
 }
 
-SoakPrint play(const mock::Options& options, std::vector<std::string> file, double read_every_s,
-               std::string what, const SoakTrace& trace) {
+}  // namespace
+
+SoakPrint play(const mock::Options& options, std::vector<std::string> file, const SoakHooks& hooks) {
+  const SoakTrace& trace = hooks.trace;
   SoakPrint print;
-  print.what = std::move(what);
   MockBench bench(options);
   Witness witness;
   bench.on_output = [&](const std::string& bytes) {
@@ -248,7 +160,9 @@ SoakPrint play(const mock::Options& options, std::vector<std::string> file, doub
       print.longest_gap_s = std::max(print.longest_gap_s, bench.printer.now() - last_s);
     last_s = bench.printer.now();
   });
-  bench.read_every_s = read_every_s;
+  bench.to_printer = hooks.to_printer;
+  bench.to_host = hooks.to_host;
+  bench.read_every_s = hooks.read_every_s;
   const auto ready = [&] { return bench.connected(); };
   if (!bench.run_until(ready, 600)) {
     print.ended = bench.count<fw::Disconnected>() > 0;
@@ -280,10 +194,9 @@ SoakPrint play(const mock::Options& options, std::vector<std::string> file, doub
     print.violation = "finished without all lines";
   if (!print.ended) print.violation = "neither finished nor halted";
   if (print.ended && !print.finished && print.reason.empty()) print.violation = "halted without a reason";
+  print.bytes_lost = bench.printer.statistics().bytes_dropped;
   return print;
 }
-
-}  // namespace
 
 SoakPrint soak_print(std::uint64_t seed, const SoakTrace& trace) {
   Dice dice(seed);
@@ -314,7 +227,10 @@ SoakPrint soak_print(std::uint64_t seed, const SoakTrace& trace) {
   for (std::size_t n = 1 + dice.below(3); n > 0; --n) options.faults.push_back(any_fault(dice, lines, what));
   const bool slow_reader = dice.one_in(6);
   if (slow_reader) what += " slow-reader";
-  return play(options, make_file(dice, lines, level), slow_reader ? 0.05 : 0, what, trace);
+  SoakPrint print =
+      play(options, make_file(dice, lines, level), {.trace = trace, .read_every_s = slow_reader ? 0.05 : 0});
+  print.what = what;
+  return print;
 }
 
 SoakPrint noisy_print(std::uint64_t seed, const SoakTrace& trace) {
@@ -322,7 +238,9 @@ SoakPrint noisy_print(std::uint64_t seed, const SoakTrace& trace) {
   mock::Options options =
       mock::make_mock().baud(115200).round_trip(0.001).instant_moves().cold_extrusion().seed(seed).build();
   options.faults = {by_chance(FaultKind::kFlipByte, 1e-4), by_chance(FaultKind::kFlipByte, 1e-4, true)};
-  return play(options, make_file(dice, 1000, false), 0, std::to_string(seed) + " one in 10 kB", trace);
+  SoakPrint print = play(options, make_file(dice, 1000, false), {.trace = trace});
+  print.what = std::to_string(seed) + " one in 10 kB";
+  return print;
 }
 
 }  // namespace voidpath::test

@@ -1,9 +1,12 @@
 #pragma once
 
+#include "tests/mock_printer/options.h"
+
 #include <cstdint>
 #include <functional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 /// Prints through every fault the mock knows, in invented time. What the printer took is compared, line by
 /// line and number by number, with what the driver sent and with the file.
@@ -21,11 +24,22 @@ struct SoakPrint {
   int pauses = 0;        ///< until a person came, who let it go on
   double longest_gap_s = 0;
   std::uint64_t resends = 0;
+  std::uint64_t bytes_lost = 0;  ///< to a full receive buffer, or while the printer booted
 };
 
 /// Hears the whole dialogue: when, who ('>' the host, '<' the printer, '=' a line it took), what.
 using SoakTrace = std::function<void(double s, char who, std::string_view bytes)>;
 
+struct SoakHooks {
+  SoakTrace trace{};
+  std::function<std::string(std::string)> to_printer{}, to_host{};  ///< damage what passes
+  double read_every_s = 0;                                          ///< a host too busy to read more often
+};
+
+/// One print of this file on this printer.
+SoakPrint play(const mock::Options& options, std::vector<std::string> file, const SoakHooks& hooks);
+
+/// A print, a printer and its faults, drawn by the seed.
 SoakPrint soak_print(std::uint64_t seed, const SoakTrace& trace = {});
 /// Only flipped bytes, both ways, one in 10 kB, on a Marlin at 115200.
 SoakPrint noisy_print(std::uint64_t seed, const SoakTrace& trace = {});

@@ -1,0 +1,101 @@
+#pragma once
+
+#include "tests/mock_printer/unpacker.h"
+
+#include <charconv>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace voidpath::test {
+
+/// Knows what the driver sent under which number, from its bytes, and checks what the printer took.
+class Witness {
+ public:
+  void sent(const std::string& bytes) {
+    std::string text;
+    bool told = false;
+    for (const char c : bytes) unpacker_.take(c, text, told);
+    for (const char c : text) {
+      if (c != '\n') {
+        line_ += c;
+        continue;
+      }
+      take(std::exchange(line_, {}));
+    }
+  }
+  void accepted(std::string_view text, std::optional<std::int64_t> number) {
+    if (!number) {
+      if (raw_.count(std::string(text)) == 0 && !text.empty()) ++invisible;
+      return;
+    }
+    if (text.starts_with("M110")) {
+      last_ = *number;
+      if (*number != 0) ++invisible;
+      return;
+    }
+    if (*number != last_ + 1)
+      violation = "line " + std::to_string(*number) + " after " + std::to_string(last_);
+    last_ = *number;
+    const auto known = numbered_.find(*number);
+    if (known == numbered_.end() || known->second != text) {
+      ++invisible;
+    } else {
+      taken.push_back(known->second);
+    }
+  }
+
+  int invisible = 0;
+  std::string violation;
+  std::vector<std::string> taken;  ///< numbered lines as they were sent, in the order they were taken
+  std::vector<std::string> lines;  ///< numbered lines in the order of their first sending
+
+ private:
+  void take(const std::string& line) {
+    if (line.empty()) return;
+    std::int64_t number = -1;
+    const auto star = line.rfind('*');
+    if (line[0] != 'N' || star == line.npos) {
+      raw_.insert(line);
+      return;
+    }
+    const auto digits = std::from_chars(line.data() + 1, line.data() + star, number);
+    std::string text(digits.ptr, line.data() + star);
+    text.erase(0, text.find_first_not_of(' '));
+    if (text.starts_with("M110")) return numbered_.clear();
+    const auto [at, fresh] = numbered_.emplace(number, text);
+    if (!fresh && at->second != text && without_blanks(at->second) == without_blanks(text)) at->second = text;
+    if (!fresh && at->second != text) violation = "number " + std::to_string(number) + " given to two lines";
+    if (fresh) lines.push_back(text);
+  }
+  static std::string without_blanks(std::string text) {
+    std::erase(text, ' ');
+    return text;
+  }
+
+  mock::Unpacker unpacker_;
+  std::string line_;
+  std::map<std::int64_t, std::string> numbered_;
+  std::set<std::string> raw_;
+  std::int64_t last_ = 0;
+};
+
+/// Those of the lines that are a file's own, moves without blanks.
+inline std::vector<std::string> of_file(const std::vector<std::string>& lines) {
+  static const std::set<std::string> kOwn = {"M110", "M115", "M503", "M211", "M155", "M105",
+                                             "M400", "M104", "M140", "M84",  "M108", "M112"};
+  std::vector<std::string> out;
+  for (std::string line : lines) {
+    if (kOwn.count(line.substr(0, line.find(' '))) > 0) continue;
+    if (line[0] == 'G') std::erase(line, ' ');
+    out.push_back(line);
+  }
+  return out;
+}
+
+}  // namespace voidpath::test
