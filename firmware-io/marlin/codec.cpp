@@ -77,11 +77,8 @@ std::string sanitise(std::string_view raw) {
   std::string out;
   out.reserve(bare.size());
   for (const char c : bare) {
-    if (c == '\t') {
-      out += ' ';
-    } else if (allowed(c) && !(out.empty() && c == ' ')) {
-      out += c;
-    }
+    const char shown = c == '\t' ? ' ' : c;
+    if (allowed(shown) && !(out.empty() && shown == ' ')) out += shown;
   }
   out.erase(out.find_last_not_of(' ') + 1);
   return out;

@@ -75,18 +75,17 @@ void Driver::dispatch_ready(const Reply& reply, double t) {
   if (const auto* ok = std::get_if<Ok>(&reply)) {
     collect(t);
     // Commands run one after the other: this is the ok of the one that waited for a person.
-    if (std::exchange(printer_waits_, false)) resume(t);
-    if (!ok->sensors.empty()) {
-      note_sensors(ok->sensors);
-      if (job_) job_->on_temperature_ok(link_);
-      drop_finished_job();
-    }
+    panel_waits_ = false;
+    if (std::exchange(printer_waits_, false)) go_on(t);
+    if (!ok->sensors.empty()) note_sensors(ok->sensors);
+    if (job_) job_->on_ok(link_, !ok->sensors.empty(), t);
+    drop_finished_job();
   } else if (const auto* report = std::get_if<TemperatureReport>(&reply)) {
     if (report->waiting) link_.note_progress(t);
     note_sensors(report->sensors);
     // Repetier's M105 says ok first and the temperatures on a line of their own.
     if (job_ && !report->waiting && !reports_by_itself()) {
-      job_->on_temperature_ok(link_);
+      job_->on_ok(link_, true, t);
       drop_finished_job();
     }
   } else if (const auto* error = std::get_if<Error>(&reply)) {
@@ -95,6 +94,7 @@ void Driver::dispatch_ready(const Reply& reply, double t) {
     link_.note_busy(t);
     if (busy->for_user) {
       link_.hold();
+      panel_waits_ = true;
       emit(Message{busy->why});
       if (job_ && job_->feeding()) {
         printer_waits_ = true;
@@ -153,7 +153,7 @@ void Driver::on_action(const Action& action, double t) {
     if (job_) job_->pause(true, action.argument.empty() ? "the printer asked for it" : action.argument);
     if (action.name == "paused") link_.hold();
   } else if (action.name == "resume" || action.name == "resumed") {
-    resume(t);
+    go_on(t);
   } else if (action.name == "cancel") {
     cancel("the printer asked for it", t);
   }
@@ -298,6 +298,7 @@ double Driver::deadline() const noexcept {
   double next = phase_ == Phase::ready ? poll_at() : phase_deadline_;
   if (phase_ == Phase::identifying || phase_ == Phase::ready) next = std::min(next, link_.deadline());
   if (job_) next = std::min(next, stats_t_ + kStatsPeriod_s);
+  if (job_ && repacking_until_ == 0) next = std::min(next, job_->deadline(link_));
   if (repacking_until_ > 0) next = std::min(next, repacking_until_);
   next = std::min(next, end_probe_at());
   return next;
@@ -368,6 +369,13 @@ void Driver::pause() {
 }
 
 void Driver::resume(double t) {
+  // It waits for a person, who is here: else it would go on waiting for one at its panel.
+  printer_waits_ = false;
+  if (std::exchange(panel_waits_, false)) link_.send_raw("M108", true, t);
+  go_on(t);
+}
+
+void Driver::go_on(double t) {
   if (!job_) return;
   link_.note_progress(t);
   job_->resume();

@@ -84,6 +84,7 @@ class Driver final : public Dialogue {
   void on_prompt(const Action& action);
   void on_error(const Error& error, double t);
   void on_restart(double t);
+  void go_on(double t);
   void handshake_elapsed(double t);
   void settle(double t);
   void collect(double t);
@@ -138,6 +139,7 @@ class Driver final : public Dialogue {
   std::uint64_t nameless_seen_ = 0;
   std::uint64_t odd_commands_ = 0;  ///< unknown, or beyond reason: damage that no checksum showed
   bool printer_waits_ = false;      ///< it said so; paused until its next ok
+  bool panel_waits_ = false;        ///< it waits for a person, whoever paused the print
   std::string prompt_;              ///< a question as far as it was heard
   int prompt_choices_ = 0;
 };

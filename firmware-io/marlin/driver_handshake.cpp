@@ -34,7 +34,7 @@ void Driver::forget_dialogue() {
   repacking_until_ = rest_until_ = 0;
   settings_ = {};
   firmware_ = {};
-  autoreport_ = printer_waits_ = false;
+  autoreport_ = printer_waits_ = panel_waits_ = false;
   prompt_.clear();
 }
 

@@ -62,6 +62,7 @@ void Link::restart(std::uint32_t last) {
   window_.restart(last);
   outstanding_.clear();
   long_number_ = 0;
+  questions_open_ = 0;
   wire_free_t_ = 0;
   wire_is_faster_ = false;
   held_ = question_due_ = doubt_ = asked_in_silence_ = false;
@@ -112,6 +113,7 @@ void Link::send(std::string_view payload, Tag tag, double t) {
   const std::uint32_t number = window_.next_number();
   outstanding_.push_back({number, tag});
   if (tag.is_long) long_number_ = number, oks_past_long_ = 0;
+  if (payload == kQuestion) ++questions_open_;
   const std::string bytes = window_.send(payload);
   write(bytes, window_.packing() ? frame(number, payload) : bytes, t);
   outstanding_.back().gone_t = wire_free_t_;
@@ -169,6 +171,7 @@ void Link::note_ok(bool temperatures, std::uint64_t lost, double t) {
   questions_ = 0;
   if (++oks_since_ % kOksToForget == 0) ask_after_s_ = std::max(ask_after_s_ / 2, timing_.patience_s);
   if (!temperatures) return;
+  questions_open_ = std::max(questions_open_ - 1, 0);
   doubt_ = false;
   if (lost > 0) {
     ask_after_s_ = timing_.patience_s;

@@ -33,7 +33,7 @@ struct Tag {
   std::uint64_t file_position = 0;
   bool heating = false;
   bool is_long = false;
-  bool homing = false;
+  bool holds_back = false;  ///< what follows
 };
 
 /// The numbered dialogue with its timers: the window, what is to be written, what comes back. No I/O.
@@ -88,11 +88,16 @@ class Link {
   void elapsed(double t);
 
   bool all_acknowledged() const noexcept { return window_.idle(); }
-  /// A line is needed to provoke an answer, and nobody sent one.
+  /// Every M105 that was sent has had an answer of its own, as far as answers can be told apart: whatever was
+  /// acknowledged, by an ok too many, is another matter.
+  bool questions_answered() const noexcept { return questions_open_ == 0; }
+  /// After what was heard last, so long a silence means that nothing more is on its way.
+  double quiet_after_s() const noexcept;
   /// An ok may have been lost: M105's answer tells what was taken. At most one is out while answers come.
   bool wants_question() const;
   /// Sends it.
   void ask(double t);
+  /// A line is needed to provoke an answer, and nobody sent one.
   bool wants_probe() const noexcept { return window_.wants_probe() && !window_.draining(); }
   double progress_t() const noexcept { return progress_t_; }
   bool busy_seen() const noexcept { return busy_seen_; }
@@ -113,7 +118,6 @@ class Link {
   bool may_be_at_length() const noexcept { return long_number_ > 0; }
   void note_length_done(const Ok& ok) noexcept;
   double stall_after_s() const noexcept;
-  double quiet_after_s() const noexcept;
   double ask_at() const;
   void note_ok(bool temperatures, std::uint64_t lost, double t);
 
@@ -141,7 +145,8 @@ class Link {
   bool doubt_ = false;             ///< what came may have been an ok
   bool asked_in_silence_ = false;  ///< and not yet answered
   int oks_since_ = 0;
-  int questions_ = 0;  ///< in this silence
+  int questions_ = 0;       ///< in this silence
+  int questions_open_ = 0;  ///< sent and not answered
   bool packed_once_ = false;
   std::uint64_t quiet_lines_ = 0;  ///< acknowledged since packing ended
   bool held_ = false;

@@ -3,6 +3,7 @@
 #include "firmware-io/marlin/words.h"
 
 #include <exception>
+#include <limits>
 #include <utility>
 
 namespace voidpath::fw::marlin {
@@ -10,6 +11,8 @@ namespace {
 
 // Answered by a bare ok each time: then this firmware says no temperatures, or ever so many oks came twice.
 constexpr int kVerifications = 50;
+
+bool holds_back(const std::string& text) { return is_homing(text) || may_wait_for_person(text); }
 
 }  // namespace
 
@@ -30,8 +33,8 @@ void PrintJob::note_sent(const std::string& text) {
   if (is_heating_wait(text)) {
     heating_ = true;
     emit_(Heating{true});
-  } else if (is_homing(text)) {
-    homing_ = true;
+  } else if (holds_back(text)) {
+    held_back_ = true;
   } else if (motion_armed_ && is_motion(text)) {
     motion_armed_ = false;
     emit_(MotionStarted{});
@@ -41,7 +44,8 @@ void PrintJob::note_sent(const std::string& text) {
 PrintJob::Step PrintJob::feed_line(Link& link, double t) {
   // What comes after a wait or a homing is held back until that has ended, so that the first motion goes out,
   // and is timed, when it can begin.
-  if (heating_ || homing_) return Step::wait;
+  // And what ends a wait for a person is only read while the firmware's queue has room.
+  if (heating_ || held_back_) return Step::wait;
   if (!fetch()) {
     if (!link.may_send("M400")) return Step::wait;
     if (!std::exchange(started_, true)) emit_(PrintStarted{});
@@ -58,7 +62,7 @@ PrintJob::Step PrintJob::feed_line(Link& link, double t) {
   }
   if (!link.may_send(text) || (is_heating_wait(text) && !link.all_acknowledged())) return Step::wait;
   const Tag tag{Tag::Kind::file,       pending_->index, pending_position_,
-                is_heating_wait(text), is_long(text),   is_homing(text)};
+                is_heating_wait(text), is_long(text),   holds_back(text)};
   link.send(text, tag, t);
   note_sent(text);
   pending_.reset();
@@ -74,10 +78,7 @@ void PrintJob::feed_ending(Link& link, double t) {
 }
 
 void PrintJob::feed(Link& link, double t) {
-  if (state_ == State::verifying && link.all_acknowledged()) {
-    if (++verifications_ > kVerifications) return finish();  // a firmware whose M105 says no temperatures
-    link.send("M105", {}, t);
-  }
+  if (state_ == State::verifying) return verify(link, t);
   if (state_ == State::ending) return feed_ending(link, t);
   try {
     while (state_ == State::feeding && feed_line(link, t) == Step::sent) {
@@ -93,12 +94,27 @@ void PrintJob::finish() {
   emit_(PrintFinished{});
 }
 
-void PrintJob::on_temperature_ok(const Link& link) {
-  if (state_ == State::verifying && verifications_ > 0 && link.all_acknowledged()) finish();
+void PrintJob::verify(Link& link, double t) {
+  if (!link.all_acknowledged() || t < deadline(link)) return;
+  if (answered_) return finish();
+  if (++verifications_ > kVerifications) return finish();  // a firmware whose M105 says no temperatures
+  link.send("M105", {}, t);
+}
+
+double PrintJob::deadline(const Link& link) const noexcept {
+  if (state_ != State::verifying || !link.all_acknowledged()) return std::numeric_limits<double>::infinity();
+  return verifications_ == 0 ? heard_t_ : heard_t_ + link.quiet_after_s();
+}
+
+void PrintJob::on_ok(const Link& link, bool temperatures, double t) {
+  heard_t_ = t;
+  if (state_ != State::verifying || verifications_ == 0) return;
+  answered_ = temperatures && link.all_acknowledged();
+  if (answered_ && verifications_ == 1 && link.questions_answered()) finish();
 }
 
 void PrintJob::on_acknowledged(const Tag& tag) {
-  if (tag.homing) homing_ = false;
+  if (tag.holds_back) held_back_ = false;
   if (tag.heating) {
     heating_ = false;
     motion_armed_ = true;

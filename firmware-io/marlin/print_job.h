@@ -21,8 +21,10 @@ using Emit = std::function<void(decltype(Event::what))>;
 /// A heating wait goes out only when everything before it is acknowledged, and nothing follows until it is
 /// acknowledged itself: so its beginning and end are known, and the first motion leaves right after it.
 ///
-/// The file's end is M400, and then M105: an ok may have come twice and stand for a line too many, but M105's
-/// answer cannot be mistaken, and its number is only taken when all before it were.
+/// The file's end is M400, and then M105, whose number is only taken when all before it were: a bare ok may
+/// have come twice and stand for a line too many. An answer of M105 cannot be mistaken for another line's,
+/// but for that of another M105. So where it is not the only one whose answer is awaited, or oks have come in
+/// its place, it is asked after a silence and its answer must be followed by one.
 class PrintJob {
  public:
   PrintJob(std::unique_ptr<LineSource> source, Emit emit);
@@ -30,8 +32,10 @@ class PrintJob {
   /// Sends what may go now.
   void feed(Link& link, double t);
   void on_acknowledged(const Tag& tag);
-  /// An ok came that can only be M105's.
-  void on_temperature_ok(const Link& link);
+  /// An ok came, or temperatures where they stand for M105's.
+  void on_ok(const Link& link, bool temperatures, double t);
+  /// When feed() is to be called though nothing comes.
+  double deadline(const Link& link) const noexcept;
 
   void pause(bool by_printer, const std::string& reason);
   void resume();
@@ -54,6 +58,7 @@ class PrintJob {
   bool fetch();
   Step feed_line(Link& link, double t);
   void feed_ending(Link& link, double t);
+  void verify(Link& link, double t);
   void note_sent(const std::string& text);
   void finish();
 
@@ -63,9 +68,11 @@ class PrintJob {
   std::optional<SourceLine> pending_;
   std::uint64_t pending_position_ = 0;
   int verifications_ = 0;  ///< M105 sent behind M400
+  bool answered_ = false;  ///< and nothing but silence since
+  double heard_t_ = 0;     ///< an ok, last
   bool started_ = false;
   bool heating_ = false;      ///< a heating wait is out
-  bool homing_ = false;       ///< a homing or probing command is out
+  bool held_back_ = false;    ///< by a homing, a probing or a wait for a person that is out
   bool motion_armed_ = true;  ///< no motion since the start or the last heating wait
   std::deque<std::string> ending_lines_;
   std::size_t ending_unacknowledged_ = 0;

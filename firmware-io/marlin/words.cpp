@@ -37,17 +37,23 @@ bool is_heating_wait(std::string_view command) noexcept {
 bool is_homing(std::string_view command) noexcept {
   static constexpr int kHoming[] = {28, 29, 30, 33, 34, 76, 80};
   const Word word = first_word(command);
-  return word.letter == 'G' && std::find(std::begin(kHoming), std::end(kHoming), word.number) != std::end(kHoming);
+  return word.letter == 'G' &&
+         std::find(std::begin(kHoming), std::end(kHoming), word.number) != std::end(kHoming);
+}
+
+bool may_wait_for_person(std::string_view command) noexcept {
+  static constexpr int kWaits[] = {125, 226, 600, 601, 701, 702};
+  return is_m_of(command, kWaits);
 }
 
 bool is_long(std::string_view command) noexcept {
   static constexpr int kLongG[] = {4, 32};
-  static constexpr int kLongM[] = {0, 1, 48, 125, 226, 303, 400, 600, 701, 702};
+  static constexpr int kLongM[] = {0, 1, 48, 303, 400};
   const Word word = first_word(command);
   if (word.letter == 'G')
     return is_homing(command) ||
            std::find(std::begin(kLongG), std::end(kLongG), word.number) != std::end(kLongG);
-  return is_heating_wait(command) || is_m_of(command, kLongM);
+  return is_heating_wait(command) || may_wait_for_person(command) || is_m_of(command, kLongM);
 }
 
 bool is_motion(std::string_view command) noexcept {

@@ -18,6 +18,8 @@ Word first_word(std::string_view command) noexcept;
 bool is_heating_wait(std::string_view command) noexcept;
 /// Homes or probes the bed: G28, G29, G30, G33, G34, G76, G80. Acknowledged when it has ended.
 bool is_homing(std::string_view command) noexcept;
+/// May wait for a person at the panel: M125, M226, M600, M601, M701, M702.
+bool may_wait_for_person(std::string_view command) noexcept;
 /// May take minutes before its ok.
 bool is_long(std::string_view command) noexcept;
 /// Moves an axis or the filament towards a given place: G0 to G3 and G5 with an axis word. Homing is none.

@@ -26,6 +26,7 @@ TEST_CASE("sanitising leaves only what reaches the checksum unaltered", "[codec]
   CHECK(sanitise("M117 a*b\\c(d)") == "M117 abcd");
   CHECK(sanitise("M117 na\xC3\xAFve") == "M117 nave");
   CHECK(sanitise("G1\tX1") == "G1 X1");
+  CHECK(sanitise("\xFF\tG1 X1") == "G1 X1");
   CHECK(sanitise("G1 X1\bY2") == "G1 X1Y2");
   for (int c = 0; c < 256; ++c) {
     const std::string clean = sanitise(std::string("M117 x") + static_cast<char>(c) + "y");

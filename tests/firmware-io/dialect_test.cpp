@@ -82,3 +82,20 @@ TEST_CASE("a filament change is a pause by the printer with a question, and its 
   CHECK(bench.count<Resumed>() == 1);
   CHECK(bench.count<PrintFinished>() == 1);
 }
+
+TEST_CASE("going on here also ends the wait at the printer's panel", "[dialect]") {
+  for (const bool emergency_parser : {false, true}) {
+    MockBench bench(
+        mock::make_mock().cold_extrusion().instant_moves().emergency_parser(emergency_parser).build());
+    REQUIRE(bench.connect());
+    std::vector<std::string> file = {"G1 X10 F600", "M600"};
+    for (int i = 0; i < 20; ++i) file.push_back("G1 X" + std::to_string(i));
+    bench.print(file);
+    REQUIRE(bench.run_until([&] { return bench.count<Paused>() > 0; }));
+    bench.run_for(10);
+    bench.driver.resume(bench.t());
+    REQUIRE(bench.run_until([&] { return bench.over(); }));
+    CHECK(bench.count<PrintFinished>() == 1);
+    CHECK(std::count(bench.log.begin(), bench.log.end(), "M108") == 1);
+  }
+}

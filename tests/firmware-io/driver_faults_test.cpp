@@ -250,3 +250,19 @@ TEST_CASE("a silent levelling run that a doubled ok seems to have ended is waite
     CHECK(bench.firmware.overflowed == 0);
   }
 }
+
+TEST_CASE("a late answer to an earlier question does not end a print whose oks ran ahead", "[driver]") {
+  DriverBench bench({.autoreport = false});
+  REQUIRE(bench.run_until([&] { return bench.count<Connected>() > 0; }));
+  bench.run_for(1);
+  // The wait is long enough for the poll of temperatures to fall into it; the oks before it all come twice.
+  bench.duration = [](const std::string& command) { return command == "G4 P9000" ? 9.0 : 0.01; };
+  bench.to_host = [&](std::string line) {
+    return line == "ok" && bench.firmware.executed.back().starts_with("G1") ? "ok\nok" : line;
+  };
+  const Lines file = moves(12) + Lines{"G4 P9000"} + moves(20);
+  bench.print(file);
+  REQUIRE(bench.run_until([&] { return over(bench); }, 120));
+  CHECK(bench.count<PrintFinished>() == 1);
+  CHECK(bench.printed() == file + Lines{"M400"});
+}

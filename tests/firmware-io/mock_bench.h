@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -47,22 +48,15 @@ class MockBench {
   void print(std::vector<std::string> lines) {
     driver.print(std::make_unique<MemorySource>(std::move(lines)), t());
   }
-  bool connected() const {
-    bool is = false;
-    for (const fw::Event& event : events)
-      is = std::holds_alternative<fw::Connected>(event.what) ||
-           (is && !std::holds_alternative<fw::Disconnected>(event.what));
-    return is;
-  }
+  bool connected() const { return connected_; }
   bool over() const {
     return count<fw::PrintFinished>() + count<fw::PrintFailed>() + count<fw::PrintCancelled>() > 0;
   }
 
   template <typename T>
   int count() const {
-    int n = 0;
-    for (const fw::Event& event : events) n += std::holds_alternative<T>(event.what) ? 1 : 0;
-    return n;
+    const auto found = counts_.find(decltype(fw::Event::what)(T{}).index());
+    return found == counts_.end() ? 0 : found->second;
   }
   /// The n-th event of a kind, or nothing.
   template <typename T>
@@ -88,6 +82,8 @@ class MockBench {
   static constexpr double kStart = 1000;
   static constexpr double kReopen_s = 2;
   double unplugged_until_ = 0;
+  bool connected_ = false;
+  std::map<std::size_t, int> counts_;  ///< by kind
   static constexpr double kRounding_s = 1e-9;
 
   void plug() {
@@ -95,7 +91,12 @@ class MockBench {
     printer.take_output();
     if (driver.closing()) driver.opened(t());
   }
-  void note(const fw::Event& event) { events.push_back(event); }
+  void note(const fw::Event& event) {
+    if (std::holds_alternative<fw::Connected>(event.what)) connected_ = true;
+    if (std::holds_alternative<fw::Disconnected>(event.what)) connected_ = false;
+    ++counts_[event.what.index()];
+    events.push_back(event);
+  }
 
   void step() {
     if (!driver.output().empty()) {

@@ -1,5 +1,6 @@
 #include "tests/mock_printer/line_protocol.h"
 
+#include <algorithm>
 #include <charconv>
 
 namespace voidpath::test::mock {
@@ -89,6 +90,8 @@ std::optional<LineResult> LineProtocol::take(char byte) {
 
 LineResult LineProtocol::finish() {
   if (line_.empty()) return IgnoredLine{true};
+  // The firmware reads it as a C string.
+  line_.resize(std::min(line_.find('\0'), line_.size()));
   std::string_view line = line_;
   while (!line.empty() && line.front() == ' ') line.remove_prefix(1);
   if (!line.empty() && line.front() == 'N') return check_numbered(line);

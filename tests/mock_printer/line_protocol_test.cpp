@@ -83,6 +83,22 @@ TEST_CASE("comments and escapes go before the checksum is looked at") {
   CHECK(accepted(parentheses, "G1 (a)X1\n") == "G1 X1");
 }
 
+TEST_CASE("a zero byte ends what is seen of a line, which so lacks its checksum") {
+  LineProtocol protocol(*find_dialect("marlin2"));
+  const auto take = [&](std::string_view bytes) {
+    std::optional<LineResult> result;
+    for (const char c : bytes) result = protocol.take(c);
+    return result;
+  };
+  const auto result =
+      take(std::string_view("N1 M1\0"
+                            "05*38\n",
+                            12));
+  REQUIRE(result);
+  REQUIRE(std::holds_alternative<RefusedLine>(*result));
+  CHECK(std::get<RefusedLine>(*result).error == "No Checksum with line number, Last Line: 0");
+}
+
 TEST_CASE("at most 95 characters of a line are kept") {
   LineProtocol p(kMarlin);
   const std::string fits = numbered(1, "M117 " + std::string(95 - 5 - 3 - 4, 'x'));
