@@ -151,7 +151,7 @@ void Driver::on_action(const Action& action, double t) {
   emit(Message{"action: " + action.name + (action.argument.empty() ? "" : " " + action.argument)});
   if (action.name == "pause" || action.name == "paused" || action.name == "out_of_filament") {
     if (job_) job_->pause(true, action.argument.empty() ? "the printer asked for it" : action.argument);
-    if (action.name == "paused") link_.hold();
+    if (action.name == "paused") link_.hold(), panel_waits_ = true;
   } else if (action.name == "resume" || action.name == "resumed") {
     go_on(t);
   } else if (action.name == "cancel") {
@@ -426,7 +426,7 @@ void Driver::command(const std::string& raw, double t) {
   const Word word = first_word(line);
   if (word == Word{'M', 112}) return halt("emergency stop by command", t);
   if (phase_ != Phase::ready) return emit(Message{"not sent, the printer is not connected: " + line});
-  if (word == Word{'M', 110} || line.size() > kMaxPayload) return emit(Message{"not sent: " + line});
+  if (sets_line_number(line) || line.size() > kMaxPayload) return emit(Message{"not sent: " + line});
   if (is_out_of_band(line)) {
     link_.send_raw(line, true, t);
   } else {

@@ -132,7 +132,7 @@ std::string trim_move(std::string_view line, bool absolute_mm) {
     else
       append(out, *number);
   }
-  return out;
+  return sets_line_number(out) ? std::string(line) : out;
 }
 
 std::string file_command(std::string_view raw) {
@@ -148,7 +148,7 @@ std::string file_command(std::string_view raw) {
   }
   if (text.empty()) return {};
   capitalise(text);
-  if (first_word(text) == Word{'M', 110}) return {};
+  if (sets_line_number(text)) return {};
   if (text.size() > kMaxPayload && text[0] == 'G') text = shorten_numbers(text);
   const bool shows_text = first_word(text) == Word{'M', 117} || first_word(text) == Word{'M', 118};
   if (text.size() > kMaxPayload && shows_text) {

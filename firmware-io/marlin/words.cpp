@@ -67,6 +67,13 @@ bool is_pause(std::string_view command) noexcept {
   return is_m_of(command, kPauses);
 }
 
+bool sets_line_number(std::string_view command) {
+  if (first_word(command) == Word{'M', 110}) return true;
+  std::string bare(command);
+  std::erase(bare, ' ');
+  return bare.find("M110") != bare.npos;
+}
+
 bool is_out_of_band(std::string_view command) noexcept {
   static constexpr int kUrgent[] = {108, 112, 410, 876};
   return is_m_of(command, kUrgent);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <string_view>
 
 /// As much of a command's meaning as streaming needs. Pure.
@@ -26,6 +27,9 @@ bool is_long(std::string_view command) noexcept;
 bool is_motion(std::string_view command) noexcept;
 /// M0 and M1: the host pauses instead of the firmware.
 bool is_pause(std::string_view command) noexcept;
+/// Would be taken for a new line number: Marlin looks for M110 anywhere in a numbered line, and a packed move
+/// has lost its blanks.
+bool sets_line_number(std::string_view command);
 /// Works only at once, without a line number, ahead of what is queued: M108, M112, M410, M876.
 bool is_out_of_band(std::string_view command) noexcept;
 

@@ -72,6 +72,8 @@ TEST_CASE("commands are brought into the form a printer takes", "[gcode_file]") 
   CHECK(file_command("N12G1 X1") == "G1 X1");
   CHECK(file_command("M110 N0").empty());
   CHECK(file_command("N0 M110*5").empty());
+  CHECK(file_command("M117 of M110 N7").empty());
+  CHECK(file_command("G1 X1 M1 10").empty());
   CHECK(file_command("%").empty());
   CHECK(file_command("@pause").empty());
   CHECK(file_command("(a comment)").empty());

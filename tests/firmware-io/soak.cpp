@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <random>
 
 namespace voidpath::test {
@@ -131,6 +132,8 @@ bool see_through(MockBench& bench, SoakPrint& print) {
           const auto* paused = bench.find<fw::Paused>(print.pauses++);
           if (paused && paused->reason.empty()) print.violation = "paused without a reason";
         } else if (bench.t() >= comes) {
+          // What is in the firmware's queue may stand before M108: then there is the panel.
+          if (print.pauses % 2 == 0) bench.printer.press_button();
           bench.driver.resume(bench.t());
         }
         return bench.over();
@@ -139,6 +142,20 @@ bool see_through(MockBench& bench, SoakPrint& print) {
 }
 
 }  // namespace
+
+void show_dialogue(double s, char who, std::string_view bytes) {
+  std::printf("%.4f %c ", s, who);
+  for (const char c : bytes) {
+    if (c == '\n')
+      std::fputs("\\n", stdout);
+    else if (c >= ' ' && c <= '~')
+      std::putchar(c);
+    else
+      std::printf("\\x%02x", static_cast<unsigned>(static_cast<unsigned char>(c)));
+  }
+  std::putchar('\n');
+  std::fflush(stdout);
+}
 
 SoakPrint play(const mock::Options& options, std::vector<std::string> file, const SoakHooks& hooks) {
   const SoakTrace& trace = hooks.trace;

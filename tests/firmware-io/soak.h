@@ -30,6 +30,9 @@ struct SoakPrint {
 /// Hears the whole dialogue: when, who ('>' the host, '<' the printer, '=' a line it took), what.
 using SoakTrace = std::function<void(double s, char who, std::string_view bytes)>;
 
+/// Prints it: a line each.
+void show_dialogue(double s, char who, std::string_view bytes);
+
 struct SoakHooks {
   SoakTrace trace{};
   std::function<std::string(std::string)> to_printer{}, to_host{};  ///< damage what passes

@@ -125,9 +125,8 @@ inline void fuzz_marlin_file(const std::uint8_t* data, std::size_t size) {
     }
     if (command.empty()) continue;
     require(is_clean(command) && command.size() <= kMaxPayload);
-    require(!(first_word(command) == Word{'M', 110}));
     const std::string trimmed = trim_move(command, data[0] % 2 == 1);
-    require(is_clean(trimmed) && trimmed.size() <= command.size());
+    require(is_clean(trimmed) && trimmed.size() <= command.size() && !sets_line_number(trimmed));
     require(trim_move(trimmed, data[0] % 2 == 1) == trimmed);
     if (trimmed != command) {
       const auto before = words_of(command), after = words_of(trimmed);

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,7 +20,7 @@ class HostileWire {
  public:
   HostileWire(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
 
-  SoakPrint run() {
+  SoakPrint run(const SoakTrace& trace = {}) {
     static constexpr const char* kFirmwares[] = {"marlin2", "marlin1", "prusa", "smoothie"};
     static constexpr std::size_t kRings[] = {128, 64, 1024, 128};
     const unsigned kind = take(), more = take();
@@ -45,7 +46,8 @@ class HostileWire {
     for (unsigned i = 0; i < 30; ++i)
       file.push_back("G1 X" + std::to_string(i * 7 % 200) + ".5 E" + std::to_string(i) + ".25");
     return play(options, std::move(file),
-                {.to_printer = [this](std::string text) { return damaged(std::move(text), kIntoPrinter); },
+                {.trace = trace,
+                 .to_printer = [this](std::string text) { return damaged(std::move(text), kIntoPrinter); },
                  .to_host = [this](std::string text) { return damaged(std::move(text), kIntoHost); }});
   }
 
@@ -113,8 +115,10 @@ class HostileWire {
   std::size_t at_ = 0;
 };
 
+/// With VOIDPATH_SHOW in its environment it prints the dialogue.
 inline void fuzz_marlin_wire(const std::uint8_t* data, std::size_t size) {
-  const SoakPrint print = HostileWire(data, size).run();
+  const SoakPrint print =
+      HostileWire(data, size).run(std::getenv("VOIDPATH_SHOW") ? show_dialogue : SoakTrace{});
   require(print.violation.empty(), print.violation.c_str());
 }
 

@@ -66,6 +66,11 @@ class MockMarlin final : public Firmware {
   }
   /// Power-on or reset: state lost, heaters off, `start` again.
   void reset() override;
+  /// A person presses the button at the panel: what waits for one goes on.
+  void press_button() {
+    user_wait_ = false;
+    process();
+  }
   /// Seconds for which the cable is to be out, once after such a fault fired.
   std::optional<double> take_unplug() override;
 

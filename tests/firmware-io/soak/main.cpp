@@ -13,26 +13,14 @@ namespace {
 // Endings so rare are named with their seeds.
 constexpr std::size_t kFew = 20;
 
-void show(double s, char who, std::string_view bytes) {
-  std::printf("%.4f %c ", s, who);
-  for (const char c : bytes) {
-    if (c == '\n')
-      std::fputs("\\n", stdout);
-    else if (c >= ' ' && c <= '~')
-      std::putchar(c);
-    else
-      std::printf("\\x%02x", static_cast<unsigned>(static_cast<unsigned char>(c)));
-  }
-  std::putchar('\n');
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
   using namespace voidpath::test;
   if (const std::string verb = argc > 2 ? argv[1] : ""; verb == "show" || verb == "noisy") {
     const std::uint64_t seed = std::strtoull(argv[2], nullptr, 10);
-    const SoakPrint print = verb == "show" ? soak_print(seed, show) : noisy_print(seed, show);
+    const SoakPrint print =
+        verb == "show" ? soak_print(seed, show_dialogue) : noisy_print(seed, show_dialogue);
     std::printf("%s / %s / %s\n", print.what.c_str(), print.violation.c_str(), print.reason.c_str());
     return print.violation.empty() ? 0 : 1;
   }
