@@ -96,7 +96,7 @@ void Driver::dispatch_ready(const Reply& reply, double t) {
       link_.hold();
       panel_waits_ = true;
       emit(Message{busy->why});
-      if (job_ && job_->feeding()) {
+      if (job_ && job_->goes_on()) {
         printer_waits_ = true;
         job_->pause(true, busy->why);
       }
@@ -369,10 +369,16 @@ void Driver::pause() {
 }
 
 void Driver::resume(double t) {
-  // It waits for a person, who is here: else it would go on waiting for one at its panel.
-  printer_waits_ = false;
-  if (std::exchange(panel_waits_, false)) link_.send_raw("M108", true, t);
+  leave_panel(t);
   go_on(t);
+}
+
+// The printer waits for a person, who is here: else it would go on waiting for one at its panel.
+void Driver::leave_panel(double t) {
+  printer_waits_ = false;
+  if (!std::exchange(panel_waits_, false)) return;
+  link_.send_raw("M108", true, t);
+  link_.note_progress(t);
 }
 
 void Driver::go_on(double t) {
@@ -388,6 +394,7 @@ void Driver::cancel(const std::string& reason, double t) {
   lines.insert(lines.end(), kHeatersOff.begin(), kHeatersOff.end());
   lines.push_back("M84");
   if (!job_->ending() && !reason.empty()) emit(Message{"cancelled: " + reason});
+  leave_panel(t);
   job_->end(std::move(lines), PrintCancelled{}, link_, t);
   settle(t);
 }
@@ -397,6 +404,7 @@ void Driver::shut_down(double t) {
   std::vector<std::string> lines = kHeatersOff;
   lines.insert(lines.end(), options_.cancel_gcode.begin(), options_.cancel_gcode.end());
   lines.push_back("M84");
+  leave_panel(t);
   job_->end(std::move(lines), PrintCancelled{}, link_, t);
   settle(t);
 }

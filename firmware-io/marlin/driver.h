@@ -85,6 +85,7 @@ class Driver final : public Dialogue {
   void on_error(const Error& error, double t);
   void on_restart(double t);
   void go_on(double t);
+  void leave_panel(double t);
   void handshake_elapsed(double t);
   void settle(double t);
   void collect(double t);

@@ -129,12 +129,16 @@ void PrintJob::on_acknowledged(const Tag& tag) {
 }
 
 void PrintJob::pause(bool by_printer, const std::string& reason) {
-  if (state_ != State::feeding) return;
-  state_ = State::paused;
+  if (!goes_on() || (at_end() && !by_printer)) return;
+  if (at_end())
+    waits_at_end_ = true;
+  else
+    state_ = State::paused;
   emit_(Paused{by_printer, reason});
 }
 
 void PrintJob::resume() {
+  if (std::exchange(waits_at_end_, false)) return emit_(Resumed{});
   if (state_ != State::paused) return;
   state_ = State::feeding;
   emit_(Resumed{});

@@ -45,7 +45,8 @@ class PrintJob {
 
   bool over() const noexcept { return state_ == State::over; }
   bool ending() const noexcept { return state_ == State::ending; }
-  bool feeding() const noexcept { return state_ == State::feeding; }
+  /// Neither paused nor ended: a wait of the printer is news.
+  bool goes_on() const noexcept { return state_ == State::feeding || (at_end() && !waits_at_end_); }
   bool paused() const noexcept { return state_ == State::paused; }
   /// Nothing but the last answers is waited for: a lost one would be met by no line behind it.
   bool at_end() const noexcept { return state_ == State::finishing || state_ == State::verifying; }
@@ -67,9 +68,10 @@ class PrintJob {
   State state_ = State::feeding;
   std::optional<SourceLine> pending_;
   std::uint64_t pending_position_ = 0;
-  int verifications_ = 0;  ///< M105 sent behind M400
-  bool answered_ = false;  ///< and nothing but silence since
-  double heard_t_ = 0;     ///< an ok, last
+  bool waits_at_end_ = false;  ///< the printer, for a person, though all is sent
+  int verifications_ = 0;      ///< M105 sent behind M400
+  bool answered_ = false;      ///< and nothing but silence since
+  double heard_t_ = 0;         ///< an ok, last
   bool started_ = false;
   bool heating_ = false;      ///< a heating wait is out
   bool held_back_ = false;    ///< by a homing, a probing or a wait for a person that is out

@@ -99,3 +99,32 @@ TEST_CASE("going on here also ends the wait at the printer's panel", "[dialect]"
     CHECK(std::count(bench.log.begin(), bench.log.end(), "M108") == 1);
   }
 }
+
+TEST_CASE("a printer that pauses when all is sent is told as a pause, and going on ends it", "[dialect]") {
+  mock::Options options = mock::make_mock().cold_extrusion().instant_moves().emergency_parser().build();
+  mock::Fault pause;
+  pause.kind = mock::FaultKind::kPause;
+  std::vector<std::string> file;
+  for (int i = 0; i < 20; ++i) file.push_back("G1 X" + std::to_string(i));
+  MockBench counted(options);
+  REQUIRE(counted.connect());
+  counted.print(file);
+  REQUIRE(counted.run_until([&] { return counted.over(); }));
+  // The last line is M105, behind M400.
+  pause.at = static_cast<double>(counted.printer.statistics().lines);
+  for (const bool busy : {true, false}) {
+    options.dialect.busy = busy;
+    options.faults = {pause};
+    MockBench bench(options);
+    REQUIRE(bench.connect());
+    bench.print(file);
+    REQUIRE(bench.run_until([&] { return bench.count<Paused>() > 0; }));
+    CHECK(bench.find<Paused>()->by_printer);
+    bench.run_for(100);
+    REQUIRE_FALSE(bench.over());
+    bench.driver.resume(bench.t());
+    REQUIRE(bench.run_until([&] { return bench.over(); }));
+    CHECK(bench.count<PrintFinished>() == 1);
+    CHECK(bench.count<Resumed>() == 1);
+  }
+}
