@@ -57,8 +57,9 @@ std::string explain(const Choice& choice, const Trial& trial, const std::string&
     out = "as delivered prints fastest of all that were timed";
   } else if (chosen_s && delivered_s) {
     const bool sampled = !c.predicted_s || !choice.candidates[choice.as_delivered].predicted_s;
-    out = duration(*chosen_s) + " instead of " + (sampled ? "about " : "") + duration(*delivered_s) + " (" +
-          orient::number(100 * (*delivered_s - *chosen_s) / *delivered_s, 0) + " % less): " + by_criteria;
+    out = (c.predicted_s ? "" : "about ") + duration(*chosen_s) + " instead of " + (sampled ? "about " : "") +
+          duration(*delivered_s) + " (" + orient::number(100 * (*delivered_s - *chosen_s) / *delivered_s, 0) +
+          " % less): " + by_criteria;
   }
   if (c.turn_rad != 0)
     out += "; turned by " + orient::number(c.turn_rad * 180 / std::numbers::pi, 0) +
