@@ -1,5 +1,6 @@
 #include "firmware-io/marlin/driver.h"
 
+#include "firmware-io/marlin/meatpack.h"
 #include "firmware-io/marlin/words.h"
 
 #include <algorithm>
@@ -413,6 +414,8 @@ void Driver::halt(const std::string& reason, double t) {
   if (phase_ == Phase::closed || phase_ == Phase::halted) return;
   urgent_ = true;
   link_.output().clear();
+  // A printer that was connected before, and not reset since, may still unpack.
+  if (packed_once_) link_.output() += kPackingOff;
   // The newline ends a line cut off in the middle. Unnumbered is seen at once by firmware without emergency
   // parser, numbered by the rest that insists on numbers.
   link_.send_raw("\nM112", false, t);

@@ -30,3 +30,14 @@ TEST_CASE("a firmware that goes on unpacking though it was told to stop is told 
   CHECK(bench.count<PrintFinished>() == 1);
   CHECK(std::count(bench.log.begin(), bench.log.end(), "G1 X30") == 1);
 }
+
+TEST_CASE("an emergency stop right after a reconnection is heard by a firmware that still unpacks",
+          "[meatpack]") {
+  MockBench bench(mock::make_mock().meatpack().instant_moves().cold_extrusion().build());
+  REQUIRE(bench.connect());
+  bench.run_for(2);
+  bench.driver.lost("cable");
+  bench.driver.opened(bench.t());
+  bench.driver.halt("button", bench.t());
+  CHECK(bench.run_until([&] { return bench.printer.halted(); }, 2));
+}
