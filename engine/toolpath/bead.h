@@ -20,9 +20,10 @@ inline double bead_spacing_mm(double width_mm, double height_mm) {
   return bead_area_mm2(width_mm, height_mm) / height_mm;
 }
 
-/// Width of the bead with this spacing; inverse of bead_spacing_mm for beads wider than high.
+/// Width of the bead with this spacing; inverse of bead_spacing_mm.
 inline double width_of_spacing_mm(double spacing_mm, double height_mm) {
-  return spacing_mm + height_mm * kRoundEnds;
+  constexpr double kEllipse = std::numbers::pi / 4.0;
+  return spacing_mm < kEllipse * height_mm ? spacing_mm / kEllipse : spacing_mm + height_mm * kRoundEnds;
 }
 
 /// A strand hanging in air is round.

@@ -21,6 +21,8 @@ constexpr double kProbeMm = 1.0;
 constexpr double kProbesAcross = 6.0;
 /// Slivers are judged by lines no closer than this, mm.
 constexpr double kLeastProbeMm = 0.02;
+/// Hold is looked for at this many places beyond a line's end.
+constexpr geom::Coord kLooks = 4;
 /// Share of a bridge's length that must hang between two held ends.
 constexpr double kMinAnchoredShare = 0.7;
 /// Directions whose anchored shares differ by less are equal; the shorter span wins.
@@ -48,6 +50,14 @@ std::vector<double> edge_directions(const geom::Ring& ring) {
   return out;
 }
 
+/// Whether there is material under a line's end or up to `reach` beyond it: what holds may be no wider than
+/// its walls.
+bool finds_hold(const geom::AreaGrid& below, const Point& end, const Point& reach) {
+  for (geom::Coord k = 1; k <= kLooks; ++k)
+    if (below.contains({end.x + reach.x * k / kLooks, end.y + reach.y * k / kLooks})) return true;
+  return false;
+}
+
 Judgement judge(const geom::Region& hanging, const geom::AreaGrid& below, double angle, double probe_mm,
                 double reach_mm) {
   const double reach = reach_mm * geom::kNmPerMm;
@@ -61,8 +71,7 @@ Judgement judge(const geom::Region& hanging, const geom::AreaGrid& below, double
     // Row lines run in the direction of the angle, from their first point to their last.
     const Point& a = line.front();
     const Point& b = line.back();
-    if (!below.contains({a.x - step.x, a.y - step.y}) || !below.contains({b.x + step.x, b.y + step.y}))
-      continue;
+    if (!finds_hold(below, a, {-step.x, -step.y}) || !finds_hold(below, b, step)) continue;
     held += length;
     out.span_mm = std::max(out.span_mm, length / geom::kNmPerMm);
   }

@@ -17,6 +17,7 @@
 #include "engine/toolpath/spiral_vase.h"
 #include "engine/toolpath/supports.h"
 #include "engine/toolpath/surfaces.h"
+#include "engine/toolpath/unheld.h"
 
 #include <algorithm>
 #include <utility>
@@ -124,6 +125,7 @@ SampledPlan build_samples(const slice::LayerStack& cuts, const std::vector<Layer
   const std::vector<SupportAreas> supports =
       n == stack.size() ? find_supports(stack, surfaces, s, ctx)
                         : find_supports_of_groups(stack, groups, inner, s, ctx, out.dense_mm2);
+  if (n == stack.size()) bridge_unheld(surfaces, stack, supports, s, ctx);
   std::vector<geom::Polylines> lightning(stack.size());
   if (s.infill_pattern == InfillPattern::lightning) lightning = lightning_lines(surfaces, stack, s, ctx);
   combine_infill(surfaces, stack, part, ctx);

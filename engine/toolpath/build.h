@@ -26,8 +26,8 @@ struct LayerGroup {
 /// and cover the stack. Exact but for supports, which are found with the groups as layers, and for what a
 /// layer takes over from the one below (where it begins, where seams are). `dense_mm2`: by group, the area of
 /// support interface in it; samples of groups thicker than the interface are planned with all their support
-/// sparse. For estimates, and not for what joins layers: a raft, trees of support, lightning, infill of several
-/// layers at once. Throws run::Stopped.
+/// sparse. For estimates, and not for what joins layers: a raft, trees of support, lightning, infill of
+/// several layers at once. Throws run::Stopped.
 struct SampledPlan {
   Plan plan;
   std::vector<double> dense_mm2;

@@ -112,7 +112,9 @@ void make_room(CentreLine& line, const geom::Region& gap) {
     line.width_mm[i] = std::min(line.width_mm[i], 2 * (border_mm(gap, line.points[i]) + kEndSlackMm));
 }
 
-void add_gap_line(std::vector<Path>& out, const CentreLine& line, const BeadSize& bead, double tolerance_mm) {
+/// `alone`: what is thinner than the thinnest line gets that line.
+void add_gap_line(std::vector<Path>& out, const CentreLine& line, const BeadSize& bead, double tolerance_mm,
+                  bool alone) {
   const double low = kMinGapWidth * bead.width_mm;
   const double high = kMaxGapWidth * bead.width_mm;
   std::size_t i = 0;
@@ -131,7 +133,7 @@ void add_gap_line(std::vector<Path>& out, const CentreLine& line, const BeadSize
                               kGapWidthStep * bead.width_mm);
     if (length <= 0) continue;
     // The gap is flanked by beads: its width is a spacing.
-    const double spacing = std::min(area / length, high);
+    const double spacing = std::clamp(area / length, alone ? low : 0.0, high);
     if (spacing < low) continue;
     const bool closed = line.closed && points.size() == n && points.front() == points.back();
     points = geom::simplify(points, from_mm(std::max(tolerance_mm, kGapToleranceMm)));
@@ -149,17 +151,44 @@ bool is_blob(const CentreLine& line) {
              kMinGapLength * 0.5 * (line.width_mm.front() + line.width_mm.back()) * geom::kNmPerMm;
 }
 
+void add_lines_of(std::vector<Path>& out, const geom::Region& gap, const BeadSize& bead, double tolerance_mm,
+                  bool alone) {
+  for (const auto& centre : centre_lines(gap)) {
+    if (is_blob(centre)) continue;
+    CentreLine line = refined(centre, kWidthChange * bead.width_mm);
+    make_room(line, gap);
+    add_gap_line(out, line, bead, tolerance_mm, alone);
+  }
+}
+
+/// As much material as the area asks for, in its middle.
+void add_dot(std::vector<Path>& out, const geom::Region& area, const BeadSize& bead) {
+  const auto box = geom::bounds(area.outer);
+  if (!box) return;
+  const geom::Point middle{(box->min.x + box->max.x) / 2, (box->min.y + box->max.y) / 2};
+  if (!geom::contains(area, middle)) return;
+  const double side = std::sqrt(geom::to_mm2(geom::area(area)));
+  const double spacing = std::clamp(side, kMinGapWidth * bead.width_mm, kMaxGapWidth * bead.width_mm);
+  const geom::Coord half = from_mm(0.5 * std::max(kLeastLengthMm, 0.5 * side));
+  out.push_back(make_path(Role::gap_fill, {{middle.x - half, middle.y}, {middle.x + half, middle.y}}, false,
+                          width_of_spacing_mm(spacing, bead.height_mm), bead.height_mm,
+                          spacing * bead.height_mm));
+}
+
 }  // namespace
 
 void add_gap_lines(std::vector<Path>& out, const geom::Regions& gaps, const BeadSize& bead,
                    double tolerance_mm) {
-  for (const auto& gap : gaps)
-    for (const auto& centre : centre_lines(gap)) {
-      if (is_blob(centre)) continue;
-      CentreLine line = refined(centre, kWidthChange * bead.width_mm);
-      make_room(line, gap);
-      add_gap_line(out, line, bead, tolerance_mm);
-    }
+  for (const auto& gap : gaps) add_lines_of(out, gap, bead, tolerance_mm, false);
+}
+
+void add_thin_lines(std::vector<Path>& out, const geom::Regions& areas, const BeadSize& bead,
+                    double tolerance_mm) {
+  for (const auto& area : areas) {
+    const std::size_t before = out.size();
+    add_lines_of(out, area, bead, tolerance_mm, true);
+    if (out.size() == before) add_dot(out, area, bead);
+  }
 }
 
 }  // namespace voidpath::toolpath

@@ -24,6 +24,8 @@ constexpr geom::Coord kOffsetSlack = 1000;
 /// What lies between the innermost beads and is narrower than this, in spacings, is filled by a line down
 /// its middle: lines across it would be short, and sparse ones would miss it.
 constexpr double kMaxGapSpacings = 1.8;
+/// Walls thinner than this are not there, mm.
+constexpr double kLeastWallMm = 0.04;
 /// Gap areas below this are noise of the offsetting, mm².
 constexpr double kMinGapAreaMm2 = 0.02;
 
@@ -85,6 +87,10 @@ Perimeters make_perimeters(const geom::Region& outline, int count, const BeadSiz
   for (int depth = 0; depth < count && !area.empty(); ++depth) {
     const double half = 0.5 * (depth == 0 ? bead.width_mm : spacing);
     centre = inset(area, half, min_spacing);
+    if (depth == 0 && centre.empty()) {
+      out.thin = geom::open(area, from_mm(0.5 * kLeastWallMm));
+      return out;
+    }
     collect_gaps(out.gaps, area, geom::offset(centre, from_mm(half) + kOffsetSlack), bead);
     add_loops(out.walls, centre, depth);
     area = geom::offset(centre, -from_mm(0.5 * spacing));

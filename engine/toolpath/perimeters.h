@@ -32,6 +32,7 @@ struct Perimeters {
   std::vector<Wall> walls;  ///< each from the external loop inwards
   geom::Regions inner;      ///< what remains inside the beads, for infill
   geom::Regions gaps;       ///< slivers that no bead of full width fits in
+  geom::Regions thin;       ///< the whole outline where not even one loop fits in
 };
 
 /// Walls of one region.

@@ -178,7 +178,7 @@ class Sorter {
     const double width = settings_.line_width_mm;
     if (!all_solid) shells = anchored(shells, kSkinAnchorWidths * width, inner);
     Regions bridged;
-    if (settings_.bottom_layers > 0) bridged = bridges(i, inner, out.bridges);
+    if (settings_.bottom_layers > 0) bridged = bridges(i, inner, out.bridges, out.unheld);
     if (settings_.top_layers > 0) {
       const Regions top =
           i + 1 < stack_.size() ? without_noise(quick_subtract(inner, stack_[i + 1].regions)) : inner;
@@ -210,7 +210,8 @@ class Sorter {
     return out;
   }
 
-  Regions bridges(std::size_t i, const Regions& inner, std::vector<BridgeArea>& found) const {
+  Regions bridges(std::size_t i, const Regions& inner, std::vector<BridgeArea>& found,
+                  Regions& unheld) const {
     Regions all;
     if (i == 0) return all;
     const double width = settings_.line_width_mm;
@@ -222,8 +223,10 @@ class Sorter {
     for (const auto& region : hanging) {
       BridgeArea bridge = plan_bridge(region, below, walls + 0.5 * kBridgeAnchorMm);
       bridge.hanging = region;
-      if (!bridge.anchored && settings_.support != SupportMode::none)
-        continue;  // lies on support, as plain solid
+      if (!bridge.anchored && settings_.support != SupportMode::none) {
+        unheld.push_back(region);
+        continue;
+      }
       found.push_back(std::move(bridge));
     }
     // Neighbours share the material beside them: none takes what another's lines end on.

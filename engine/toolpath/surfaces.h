@@ -23,6 +23,7 @@ struct BridgeArea {
 struct Surfaces {
   std::vector<BridgeArea> bridges;
   std::vector<BridgeArea> internal_bridges;  ///< over sparse infill
+  geom::Regions unheld;                      ///< of solid and top, what hangs without hold and wants support
   geom::Regions top;
   geom::Regions solid;
   geom::Regions sparse;
