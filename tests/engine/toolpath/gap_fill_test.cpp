@@ -3,6 +3,7 @@
 #include "engine/toolpath/triangulate.h"
 #include "tests/engine/toolpath/shapes.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <catch2/catch.hpp>
@@ -92,7 +93,48 @@ TEST_CASE("thin walls of every width are printed with about their volume") {
     printed *= static_cast<double>(plan.layers.size());
     CHECK(printed > 0.85 * part);
     CHECK(printed < 1.12 * part);
+    // Closed: what the beads leave bare is nowhere a tenth of a millimetre wide.
+    const geom::Regions own{rectangle(50, 50, 80, 50 + width)};
+    const geom::Regions bare =
+        geom::subtract(own, covered(
+                                plan.layers[2], [](const auto&) { return true; }, 0.05));
+    CHECK(geom::to_mm2(geom::area(geom::open(bare, from_mm(0.05)))) < 0.02 * 30 * width);
   }
+}
+
+TEST_CASE("what is thinner than any line is printed all the same") {
+  auto s = bare_settings();
+  for (const double width : {0.05, 0.1, 0.2}) {
+    double length = 0;
+    for (const auto& path : toolpath::build(box_stack(30, width, 1), s).layers[2].paths)
+      length += geom::length(path.points) / geom::kNmPerMm;
+    CAPTURE(width);
+    CHECK(length > 29);
+    CHECK(length < 31);
+  }
+  const auto pillar = toolpath::build(box_stack(0.25, 0.25, 1), s).layers[2];
+  REQUIRE(pillar.paths.size() == 1);
+  CHECK(geom::length(pillar.paths[0].points) > 0.05 * geom::kNmPerMm);
+  CHECK(geom::bounds(pillar.paths[0].points)->min.x >= from_mm(50));
+  CHECK(geom::bounds(pillar.paths[0].points)->max.x <= from_mm(50.25));
+}
+
+TEST_CASE("a short wide gap's line keeps its round ends inside") {
+  auto s = bare_settings();
+  s.slice.perimeters = 1;
+  std::size_t seen = 0;
+  for (double x = 0.5; x < 2.5; x += 0.11)
+    for (const double y : {0.5, 0.7, 0.8, 1.2, 1.6})
+      for (const auto& path : toolpath::build(box_stack(x, y, 1), s).layers[2].paths) {
+        if (path.role != toolpath::Role::gap_fill) continue;
+        for (const geom::Point& p : {path.points.front(), path.points.back()}) {
+          const double px = geom::to_mm(p.x) - 50, py = geom::to_mm(p.y) - 50;
+          CAPTURE(x, y, px, py, path.width_mm);
+          CHECK(std::min({px, py, x - px, y - py}) >= 0.5 * path.width_mm - 0.05);
+          ++seen;
+        }
+      }
+  CHECK(seen > 50);
 }
 
 TEST_CASE("walls that narrow to nothing keep their beads inside") {

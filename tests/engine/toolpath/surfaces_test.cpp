@@ -187,6 +187,10 @@ TEST_CASE("a bridge spans the gap between its legs") {
   CHECK(b.span_mm == Approx(12).margin(0.01));
   const auto free = toolpath::plan_bridge(rectangle(4, 0, 16, 10), {rectangle(0, 0, 4, 10)}, 0.8);
   CHECK_FALSE(free.anchored);
+  // Legs thinner than the bridge reaches are hold enough.
+  const auto thin = toolpath::plan_bridge(rectangle(4, 0, 16, 10),
+                                          {rectangle(3.4, 0, 4, 10), rectangle(16, 0, 16.6, 10)}, 1.5);
+  CHECK(thin.anchored);
 
   auto s = bare_settings();
   const auto plan = toolpath::build(arch_stack(20, 10, 6, 2, 4), s);
