@@ -110,6 +110,10 @@ void make_room(CentreLine& line, const geom::Region& gap) {
   }
   for (const std::size_t i : {std::size_t{0}, line.points.size() - 1})
     line.width_mm[i] = std::min(line.width_mm[i], 2 * (border_mm(gap, line.points[i]) + kEndSlackMm));
+  // A line shorter than it is wide is all end.
+  const double least = std::min(line.width_mm.front(), line.width_mm.back());
+  if (geom::length(line.points) < least * geom::kNmPerMm)
+    for (double& width : line.width_mm) width = std::min(width, least);
 }
 
 /// `alone`: what is thinner than the thinnest line gets that line.

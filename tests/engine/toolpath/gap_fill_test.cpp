@@ -106,8 +106,8 @@ TEST_CASE("what is thinner than any line is printed all the same") {
   auto s = bare_settings();
   for (const double width : {0.05, 0.1, 0.2}) {
     double length = 0;
-    for (const auto& path : toolpath::build(box_stack(30, width, 1), s).layers[2].paths)
-      length += geom::length(path.points) / geom::kNmPerMm;
+    const auto plan = toolpath::build(box_stack(30, width, 1), s);
+    for (const auto& path : plan.layers[2].paths) length += geom::length(path.points) / geom::kNmPerMm;
     CAPTURE(width);
     CHECK(length > 29);
     CHECK(length < 31);
@@ -124,8 +124,9 @@ TEST_CASE("a short wide gap's line keeps its round ends inside") {
   s.slice.perimeters = 1;
   std::size_t seen = 0;
   for (double x = 0.5; x < 2.5; x += 0.11)
-    for (const double y : {0.5, 0.7, 0.8, 1.2, 1.6})
-      for (const auto& path : toolpath::build(box_stack(x, y, 1), s).layers[2].paths) {
+    for (const double y : {0.5, 0.7, 0.8, 1.2, 1.6}) {
+      const auto plan = toolpath::build(box_stack(x, y, 1), s);
+      for (const auto& path : plan.layers[2].paths) {
         if (path.role != toolpath::Role::gap_fill) continue;
         for (const geom::Point& p : {path.points.front(), path.points.back()}) {
           const double px = geom::to_mm(p.x) - 50, py = geom::to_mm(p.y) - 50;
@@ -134,6 +135,7 @@ TEST_CASE("a short wide gap's line keeps its round ends inside") {
           ++seen;
         }
       }
+    }
   CHECK(seen > 50);
 }
 
