@@ -17,7 +17,7 @@ struct Progress {
   std::mutex mutex;
   std::condition_variable changed;
   bool connected = false, started = false, over = false, finished = false;
-  double cpu_before_s = 0, cpu_s = 0;  ///< of the whole process, for the print alone
+  CpuUse before, cpu;  ///< of the whole process, for the print alone
 
   void note(const fw::Event& event) {
     const bool known = std::holds_alternative<fw::LimitsKnown>(event.what);
@@ -27,8 +27,8 @@ struct Progress {
     if (failed) std::fprintf(stderr, "our host: %s\n", failed->reason.c_str());
     if (!known && !began && !done && !failed) return;
     const std::lock_guard lock(mutex);
-    if (began) cpu_before_s = cpu_time_s();
-    if (done) cpu_s = cpu_time_s() - cpu_before_s;
+    if (began) before = cpu_use();
+    if (done) cpu = cpu_use() - before;
     connected |= known;
     started |= began;
     finished |= done;
@@ -59,7 +59,7 @@ int print_file(const std::string& port, int baud, bool meatpack, const std::stri
   progress.wait_for(&Progress::connected);
   printer->print(fw::open_gcode_file(file));
   progress.wait_for(&Progress::over);
-  std::printf("%.6f\n", progress.cpu_s);
+  std::printf("%.6f %.6f %.0f\n", progress.cpu.user_s, progress.cpu.kernel_s, progress.cpu.sleeps);
   return progress.finished ? 0 : 1;
 }
 

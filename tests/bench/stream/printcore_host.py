@@ -15,17 +15,17 @@ while not core.online:
     if time.monotonic() > deadline:
         sys.exit("printcore: not online")
     time.sleep(0.02)
-def cpu_s():
+def cpu_use():
     usage = resource.getrusage(resource.RUSAGE_SELF)
-    return usage.ru_utime + usage.ru_stime
+    return usage.ru_utime, usage.ru_stime, usage.ru_nvcsw
 
 
 with open(path) as file:
     lines = gcoder.LightGCode([line.rstrip("\n") for line in file])
-before_s = cpu_s()
+before = cpu_use()
 core.startprint(lines)
 while core.printing:
     time.sleep(0.05)
-took_s = cpu_s() - before_s
+took = [now - then for now, then in zip(cpu_use(), before)]
 core.disconnect()
-print(took_s)
+print(*took)

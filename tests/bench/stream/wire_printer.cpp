@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <stdexcept>
 #include <system_error>
@@ -58,12 +59,15 @@ double seconds(const timeval& t) {
   return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
 }
 
-// What a host says last.
-double last_number(const std::string& output) {
+// What a host says last: three numbers.
+CpuUse last_use(const std::string& output) {
   const auto end = output.find_last_not_of(" \r\n");
-  if (end == output.npos) return 0;
+  if (end == output.npos) return {};
   const auto line = output.find_last_of("\r\n", end);
-  return std::atof(output.c_str() + (line == output.npos ? 0 : line + 1));
+  CpuUse use;
+  std::sscanf(output.c_str() + (line == output.npos ? 0 : line + 1), "%lf %lf %lf", &use.user_s, &use.kernel_s,
+              &use.sleeps);
+  return use;
 }
 
 std::string read_all(int fd) {
@@ -165,20 +169,20 @@ class Run {
 
 }  // namespace
 
-double cpu_time_s() {
+CpuUse cpu_use() {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  return {seconds(usage.ru_utime), seconds(usage.ru_stime), static_cast<double>(usage.ru_nvcsw)};
 }
 
 double cost_of_sleep_s() {
   constexpr int kSleeps = 300;
-  const double before_s = cpu_time_s();
+  const double before_s = cpu_use().total_s();
   for (int i = 0; i < kSleeps; ++i) {
     const timespec time{0, 3000000};
     ::nanosleep(&time, nullptr);
   }
-  return (cpu_time_s() - before_s) / kSleeps;
+  return (cpu_use().total_s() - before_s) / kSleeps;
 }
 
 bool take_precedence() {
@@ -204,7 +208,7 @@ Outcome run_host(const test::mock::Options& printer, std::vector<std::string> ho
   ::close(pipe[1]);
   Outcome outcome = run.until_exit(child, limit_s);
   outcome.output = read_all(pipe[0]);
-  outcome.cpu_s = last_number(outcome.output);
+  outcome.cpu = last_use(outcome.output);
   ::close(pipe[0]);
   return outcome;
 }
