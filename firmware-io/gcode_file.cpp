@@ -9,6 +9,8 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace voidpath::fw {
 namespace {
@@ -16,6 +18,8 @@ namespace {
 // Slicers write thumbnails as comments of up to 80 characters and settings of some thousand; a longer line is
 // not G-code.
 constexpr std::size_t kMaxFileLine = 1 << 20;
+// Lines are prepared so many at a time: a thread that wakes for each few of them finds its caches cold.
+constexpr std::size_t kAhead = 32;
 
 struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
@@ -33,6 +37,38 @@ class GcodeFile final : public LineSource {
   }
 
   std::optional<SourceLine> next() override {
+    if (at_ == ahead_.size()) read_ahead();
+    if (at_ == ahead_.size()) {
+      if (!error_.empty()) throw std::runtime_error(error_);
+      position_ = read_;
+      return {};
+    }
+    position_ = ahead_[at_].end;
+    return std::move(ahead_[at_++].line);
+  }
+  std::uint64_t position() const noexcept override { return position_; }
+  std::uint64_t size() const noexcept override { return size_; }
+
+ private:
+  struct Ahead {
+    SourceLine line;
+    std::uint64_t end = 0;  ///< of it, in the file
+  };
+
+  // What is wrong with a line is only told when those before it have been fetched.
+  void read_ahead() {
+    ahead_.clear();
+    at_ = 0;
+    try {
+      while (error_.empty() && ahead_.size() < kAhead && read_command()) {
+      }
+    } catch (const std::runtime_error& error) {
+      error_ = error.what();
+    }
+  }
+
+  // Appends the next command; false at the end of the file.
+  bool read_command() {
     while (read_line()) {
       const std::uint32_t index = lines_++;
       std::string command;
@@ -43,14 +79,12 @@ class GcodeFile final : public LineSource {
       }
       if (command.empty()) continue;
       note_units(command);
-      return SourceLine{marlin::trim_move(command, absolute_ && millimetres_), index};
+      ahead_.push_back({{marlin::trim_move(command, absolute_ && millimetres_), index}, read_});
+      return true;
     }
-    return {};
+    return false;
   }
-  std::uint64_t position() const noexcept override { return position_; }
-  std::uint64_t size() const noexcept override { return size_; }
 
- private:
   // A file that says neither is taken to count on what the printer was left in.
   void note_units(const std::string& command) {
     const marlin::Word word = marlin::first_word(command);
@@ -64,7 +98,7 @@ class GcodeFile final : public LineSource {
     line_.clear();
     int c = 0;
     while ((c = ::getc_unlocked(file_.get())) != EOF) {
-      ++position_;
+      ++read_;
       if (c == '\n') return true;
       line_ += static_cast<char>(c);
       if (line_.size() > kMaxFileLine) fail("not G-code: a line without end");
@@ -83,6 +117,10 @@ class GcodeFile final : public LineSource {
   std::uint32_t lines_ = 0;
   bool absolute_ = false;
   bool millimetres_ = true;  ///< as every firmware begins
+  std::vector<Ahead> ahead_;
+  std::size_t at_ = 0;      ///< the next of them
+  std::string error_;       ///< met behind them
+  std::uint64_t read_ = 0;  ///< bytes
   std::uint64_t position_ = 0;
   std::uint64_t size_ = 0;
 };

@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <deque>
 #include <mutex>
 #include <stdexcept>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include <poll.h>
 #include <sys/eventfd.h>
@@ -173,7 +173,7 @@ class Session final : public PrinterPort {
   void carry_out_posted() {
     if (const std::unique_ptr<const std::string> reason{halt_.exchange(nullptr)})
       dialogue_->halt(*reason, now());
-    std::deque<std::function<void()>> work;
+    std::vector<std::function<void()>> work;
     {
       const std::lock_guard lock(mutex_);
       work.swap(posted_);
@@ -220,7 +220,7 @@ class Session final : public PrinterPort {
   std::atomic<std::string*> halt_{nullptr};  ///< the reason of a halt not yet carried out; owned
 
   std::mutex mutex_;  ///< guards posted_ and stop_
-  std::deque<std::function<void()>> posted_;
+  std::vector<std::function<void()>> posted_;
   bool stop_ = false;
 
   const int wake_fd_;

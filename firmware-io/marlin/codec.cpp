@@ -20,6 +20,14 @@ void append_number(std::string& out, std::uint32_t value) {
   out.append(digits, end);
 }
 
+// Of what stands in `out` from `begin` on; and the newline.
+void append_checksum(std::string& out, std::size_t begin) {
+  const std::uint8_t sum = checksum(std::string_view(out).substr(begin));
+  out += '*';
+  append_number(out, sum);
+  out += '\n';
+}
+
 // Where the comment begins. A semicolon cannot be quoted: Marlin cuts there in any text.
 std::size_t comment_start(std::string_view raw) { return std::min(raw.find(';'), raw.size()); }
 
@@ -53,18 +61,31 @@ std::uint8_t checksum(std::string_view bytes) noexcept {
   return sum;
 }
 
-std::string frame(std::uint32_t number, std::string_view payload, std::string_view gap) {
+void append_frame(std::string& out, std::uint32_t number, std::string_view payload) {
   assert(is_clean(payload));
-  std::string out;
-  out.reserve(payload.size() + 16);
+  const std::size_t begin = out.size();
   out += 'N';
   append_number(out, number);
-  out += gap;
+  out += ' ';
   out += payload;
-  const std::uint8_t sum = checksum(out);
-  out += '*';
-  append_number(out, sum);
-  out += '\n';
+  append_checksum(out, begin);
+}
+
+void append_dense_frame(std::string& out, std::uint32_t number, std::string_view payload) {
+  if (!payload.starts_with('G')) return append_frame(out, number, payload);
+  assert(is_clean(payload));
+  const std::size_t begin = out.size();
+  out += 'N';
+  append_number(out, number);
+  for (const char c : payload)
+    if (c != ' ') out += c;
+  append_checksum(out, begin);
+}
+
+std::string frame(std::uint32_t number, std::string_view payload) {
+  std::string out;
+  out.reserve(payload.size() + 16);
+  append_frame(out, number, payload);
   return out;
 }
 

@@ -20,7 +20,12 @@ inline constexpr std::size_t kMaxPayload = kMaxFramed - 13;
 std::uint8_t checksum(std::string_view bytes) noexcept;
 
 /// `N<number> <payload>*<checksum>` and a newline. The payload must be sanitised.
-std::string frame(std::uint32_t number, std::string_view payload, std::string_view gap = " ");
+std::string frame(std::uint32_t number, std::string_view payload);
+/// The same behind `out`.
+void append_frame(std::string& out, std::uint32_t number, std::string_view payload);
+/// The same with no blank in it where the payload is a G command: Marlin 2 reads it alike, and four or five
+/// bytes of a move are saved.
+void append_dense_frame(std::string& out, std::uint32_t number, std::string_view payload);
 
 /// The command as a firmware would read it: without its comment and the blanks around it, and without
 /// every character that a firmware drops or alters before it sums the line (anything beyond printable

@@ -13,6 +13,12 @@ constexpr int kPackingQuestions = 3;
 // A firmware busy with a long command says so and gets more time.
 constexpr double kBusyGrace_s = 5;
 
+// Marlin 2 reads words that no blank divides, an E behind a number included. Others may take that E for an
+// exponent.
+bool reads_dense_moves(const std::string& firmware) {
+  return firmware.starts_with("Marlin 2.") || firmware.starts_with("Marlin bugfix-2.");
+}
+
 }  // namespace
 
 void Driver::opened(double t) {
@@ -43,6 +49,7 @@ void Driver::greet(double t) {
   // The empty line ends whatever garbage stands in the printer's line buffer.
   link_.restart(0);
   link_.forget_packing();
+  link_.set_dense(false);
   // A firmware that was not reset may still unpack; one that knows nothing of it is spared the bytes at
   // first.
   if (packed_once_ || greetings_ > 1) link_.output() += kPackingOff;
@@ -158,6 +165,7 @@ void Driver::become_ready(double t) {
   connected_ = true;
   last_loss_.clear();
   polled_t_ = 0;
+  link_.set_dense(reads_dense_moves(firmware_.name));
   autoreport_ = offers("AUTOREPORT_TEMP");
   if (reports_by_itself()) {
     controls_.push_back("M155 S1");

@@ -23,10 +23,18 @@ constexpr std::uint64_t kQuietLines = 2000;
 // Before the wire runs dry the thread wants to be awake and to have written, this much earlier than all but
 // one in fifty of its awakenings are late. At the most so much of what the window holds: what must be sent
 // earlier than that may as well be sent at each ok.
-constexpr double kLeastLead_s = 0.0003;
+constexpr double kLeastLead_s = 0.00012;
 constexpr double kMostLead = 0.3;
+// How the estimate of an ok's time moves: up when it was not there on awaking, down by as much at the most
+// when it came earlier. A rest ends so much behind it, where there is room.
+constexpr double kOkTime_s = 5e-5;
+constexpr double kBehindOk_s = 1e-4;
+// From awaking to reading.
+constexpr double kAtOnce_s = 1e-4;
+// "\nN0 M110 N0*125\n", whose answer tells the round trip.
+constexpr int kGreetingBytes = 16;
 // How the estimate of that lateness moves: up with the one, down with each of the fifty.
-constexpr double kLatenessUp_s = 1e-4;
+constexpr double kLatenessUp_s = 3e-5;
 constexpr double kLatenessDown_s = kLatenessUp_s / 50;
 constexpr double kMostLateness_s = 0.01;
 
@@ -65,6 +73,7 @@ void Link::restart(std::uint32_t last) {
   questions_open_ = 0;
   wire_free_t_ = 0;
   wire_is_faster_ = false;
+  awaited_ = rested_for_ = 0;
   held_ = question_due_ = doubt_ = asked_in_silence_ = false;
   questions_ = 0;
   waits_ = 0;
@@ -72,6 +81,7 @@ void Link::restart(std::uint32_t last) {
 
 void Link::learn_round_trip(double seconds) noexcept {
   round_trip_s_ = std::min(seconds, kLongestRoundTrip_s);
+  ok_after_s_ = std::max(round_trip_s_ - kGreetingBytes * byte_s_, kAtOnce_s);
 }
 
 // Plain lines again, whatever state lost or flushed bytes have left the firmware's unpacker in.
@@ -87,15 +97,43 @@ bool Link::packing_due() const noexcept {
          !window_.resending();
 }
 
-double Link::rest_until() const noexcept {
+double Link::rest_until() noexcept {
+  if (rested_for_ != 0) note_missed_ok();
+  awaited_ = 0;
   if (wire_is_faster_ || !window_.waiting() || window_.draining() || window_.throttled()) return 0;
   const double most = kMostLead * window_.limit_bytes() * byte_s_;
-  return wire_free_t_ - std::min(kLeastLead_s + lateness_s_, most);
+  const double latest = wire_free_t_ - std::min(kLeastLead_s + lateness_s_, most);
+  double until = 0;
+  for (const Outstanding& line : outstanding_) {
+    const double due = line.gone_t + ok_after_s_;
+    // An ok that only comes when the wire has run dry is worth waiting for when there is none before.
+    if (due > latest && awaited_ != 0) break;
+    until = due + std::clamp((latest - due) / 2, 0.0, kBehindOk_s);
+    awaited_ = line.number;
+  }
+  return until;
 }
 
 void Link::note_rested(double until, double t) noexcept {
   const bool later = t - until > lateness_s_;
   lateness_s_ = std::clamp(lateness_s_ + (later ? kLatenessUp_s : -kLatenessDown_s), 0.0, kMostLateness_s);
+  rested_for_ = awaited_;
+  awoke_t_ = t;
+}
+
+// The ok that was rested for was not there on awaking.
+void Link::note_missed_ok() noexcept {
+  rested_for_ = 0;
+  ok_after_s_ = std::min(ok_after_s_ + kOkTime_s, kLongestRoundTrip_s);
+}
+
+// Its ok has come, at the latest when it was read.
+void Link::note_ok_time(const Outstanding& line) noexcept {
+  if (line.number == rested_for_) {
+    if (received_t_ > awoke_t_ + kAtOnce_s) note_missed_ok();
+    rested_for_ = 0;
+  }
+  ok_after_s_ = std::max({std::min(ok_after_s_, received_t_ - line.gone_t), ok_after_s_ - kOkTime_s, 0.0});
 }
 
 void Link::write(std::string_view bytes, std::string_view shown, double t) {
@@ -114,8 +152,8 @@ void Link::send(std::string_view payload, Tag tag, double t) {
   outstanding_.push_back({number, tag});
   if (tag.is_long) long_number_ = number, oks_past_long_ = 0;
   if (payload == kQuestion) ++questions_open_;
-  const std::string bytes = window_.send(payload);
-  write(bytes, window_.packing() ? frame(number, payload) : bytes, t);
+  const std::string& bytes = window_.send(payload);
+  write(bytes, window_.text(), t);
   outstanding_.back().gone_t = wire_free_t_;
 }
 
@@ -129,10 +167,7 @@ void Link::send_raw(std::string_view text, bool answered, double t) {
 }
 
 void Link::pump(double t) {
-  while (const auto bytes = window_.resend()) {
-    const std::uint32_t number = window_.cursor() - 1;
-    write(*bytes, window_.packing() ? frame(number, window_.kept(number)) : *bytes, t);
-  }
+  while (const auto bytes = window_.resend()) write(*bytes, window_.text(), t);
 }
 
 void Link::on_reply(const Reply& reply, double t) {
@@ -218,6 +253,7 @@ std::optional<Tag> Link::take_acknowledged() {
   if (outstanding_.empty() || outstanding_.front().number > window_.acknowledged()) return {};
   const Tag tag = outstanding_.front().tag;
   if (received_t_ + kClocksAgree_s < outstanding_.front().gone_t) wire_is_faster_ = true;
+  note_ok_time(outstanding_.front());
   ++quiet_lines_;
   outstanding_.pop_front();
   return tag;

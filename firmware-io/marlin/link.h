@@ -56,10 +56,13 @@ class Link {
   void packing_tried() noexcept { packed_once_ = true; }
   /// It was tried and not answered.
   void packing_failed() noexcept { quiet_lines_ = 0; }
+  /// Whether moves go without blanks where they are not packed.
+  void set_dense(bool on) noexcept { window_.set_dense(on); }
   /// After all was forgotten: nothing is packed.
   void forget_packing() noexcept { window_.set_packing(false), packed_once_ = false; }
-  /// Until then what was written keeps the wire busy, and oks may be left lying; 0: not at all.
-  double rest_until() const noexcept;
+  /// Until then oks may be left lying: when the last one has come that comes before the wire runs dry, so
+  /// that one awakening serves for as many as can be. 0: not at all.
+  double rest_until() noexcept;
   /// A rest that was to end at `until` ended at `t`.
   void note_rested(double until, double t) noexcept;
   /// The answer to the first line came, whatever became of its ok.
@@ -119,6 +122,8 @@ class Link {
   void note_length_done(const Ok& ok) noexcept;
   double stall_after_s() const noexcept;
   double ask_at() const;
+  void note_missed_ok() noexcept;
+  void note_ok_time(const Outstanding& line) noexcept;
   void note_ok(bool temperatures, std::uint64_t lost, double t);
 
   Window window_;
@@ -134,7 +139,11 @@ class Link {
   double wire_free_t_ = 0;  ///< when the last byte written has gone, at the wire's pace
   /// An ok came before its line could have gone at the named rate: USB without a wire behind it, or a pty.
   bool wire_is_faster_ = false;
-  double lateness_s_ = 0;  ///< no longer than that this thread awakes late, mostly
+  double lateness_s_ = 0;      ///< no longer than that this thread awakes late, mostly
+  double ok_after_s_ = 0;      ///< so long after its line has gone an ok is here, mostly
+  std::uint32_t awaited_ = 0;  ///< the line whose ok the rest is for
+  std::uint32_t rested_for_ = 0;
+  double awoke_t_ = 0;
   double received_t_ = 0;
   double progress_t_ = 0;
   double patience_t_ = 0;

@@ -1,6 +1,5 @@
 #include "firmware-io/marlin/meatpack.h"
 
-#include <algorithm>
 #include <array>
 
 namespace voidpath::fw::marlin {
@@ -22,9 +21,7 @@ unsigned nibble(char c) { return kNibbles[static_cast<unsigned char>(c)]; }
 
 }  // namespace
 
-std::string pack(std::string_view framed) {
-  std::string out;
-  out.reserve(framed.size());
+void append_packed(std::string& out, std::string_view framed) {
   for (std::size_t i = 0; i < framed.size();) {
     const char first = framed[i];
     // Behind a newline the firmware ignores the upper half.
@@ -35,12 +32,12 @@ std::string pack(std::string_view framed) {
     if (high == kLiteral) out += framed[i + 1];
     i += single ? 1 : 2;
   }
-  return out;
 }
 
-std::string without_blanks(std::string_view payload) {
-  std::string out(payload);
-  if (!out.empty() && out.front() == 'G') std::erase(out, ' ');
+std::string pack(std::string_view framed) {
+  std::string out;
+  out.reserve(framed.size());
+  append_packed(out, framed);
   return out;
 }
 

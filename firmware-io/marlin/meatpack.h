@@ -19,8 +19,7 @@ inline constexpr std::string_view kPackingOn = "\xFF\xFF\xFB\xFF\xFF\xF7";
 
 /// A framed line, newline included, packed. It ends on a byte's border.
 std::string pack(std::string_view framed);
-
-/// A command without its blanks where the firmware reads it the same: G lines.
-std::string without_blanks(std::string_view payload);
+/// The same behind `out`.
+void append_packed(std::string& out, std::string_view framed);
 
 }  // namespace voidpath::fw::marlin

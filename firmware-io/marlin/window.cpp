@@ -41,12 +41,6 @@ constexpr int kMostQueuePlaces = 64;
 constexpr int kCreepFastest_oks = 16;
 constexpr int kCreepSlowest_oks = 1024;
 
-int digits(std::uint32_t value) noexcept {
-  int n = 1;
-  while (value >= 10) value /= 10, ++n;
-  return n;
-}
-
 }  // namespace
 
 Window::Window(WindowOptions options)
@@ -74,11 +68,7 @@ void Window::restart(std::uint32_t last) {
   health_ = Health::good;
 }
 
-// N, digits, blank, payload, star, at most three digits, newline. The checksum is taken at its longest.
-std::size_t Window::framed_bytes(std::string_view payload) const {
-  if (packing_) return encode(next_, payload).size();
-  return payload.size() + static_cast<std::size_t>(digits(next_)) + 7;
-}
+std::size_t Window::framed_bytes(std::string_view payload) const { return encode(next_, payload).size(); }
 
 bool Window::has_room(std::size_t bytes) const noexcept {
   if (draining_ || health_ != Health::good) return false;
@@ -86,9 +76,18 @@ bool Window::has_room(std::size_t bytes) const noexcept {
   return bytes_in_flight_ + static_cast<int>(bytes) <= limit_;
 }
 
-std::string Window::encode(std::uint32_t number, std::string_view payload) const {
-  if (!packing_) return frame(number, payload);
-  return pack(frame(number, without_blanks(payload), payload.front() == 'G' ? "" : " "));
+const std::string& Window::encode(std::uint32_t number, std::string_view payload) const {
+  framed_.clear();
+  if (packing_) {
+    unpacked_.clear();
+    append_dense_frame(unpacked_, number, payload);
+    append_packed(framed_, unpacked_);
+  } else if (dense_) {
+    append_dense_frame(framed_, number, payload);
+  } else {
+    append_frame(framed_, number, payload);
+  }
+  return framed_;
 }
 
 bool Window::may_send(std::string_view payload) const {
@@ -106,10 +105,9 @@ void Window::note_sent(std::uint32_t number, std::size_t bytes) {
   }
 }
 
-std::string Window::send(std::string_view payload) {
-  assert(may_send(payload));
-  assert(framed_bytes(payload) > 0 && payload.size() <= kMaxPayload);
-  std::string framed = encode(next_, payload);
+const std::string& Window::send(std::string_view payload) {
+  const std::string& framed = encode(next_, payload);
+  assert(!resending() && has_room(framed.size()) && payload.size() <= kMaxPayload);
   slot(next_) = payload;
   note_sent(next_, framed.size());
   cursor_ = ++next_;
@@ -120,7 +118,7 @@ std::string Window::send(std::string_view payload) {
 
 std::optional<std::string> Window::resend() {
   if (!resending()) return {};
-  std::string framed = encode(cursor_, slot(cursor_));
+  const std::string& framed = encode(cursor_, slot(cursor_));
   if (!has_room(framed.size())) return {};
   note_sent(cursor_, framed.size());
   ++cursor_;

@@ -57,8 +57,12 @@ class Window {
 
   /// True when a new line of this payload may go out now.
   bool may_send(std::string_view payload) const;
-  /// Numbers, keeps and frames a new line; may_send() must hold.
-  std::string send(std::string_view payload);
+  /// Numbers, keeps and frames a new line; may_send() must hold. Stands until the next call of anything here.
+  const std::string& send(std::string_view payload);
+  /// That line, or the one of the last resend(), as a firmware reads it, whether packed or not.
+  const std::string& text() const noexcept { return packing_ ? unpacked_ : framed_; }
+  /// From now on moves go without blanks, as far as lines are not packed.
+  void set_dense(bool on) noexcept { dense_ = on; }
   /// From now on lines are packed (meatpack.h) and counted as what they then fill.
   void set_packing(bool on) noexcept { packing_ = on; }
   bool packing() const noexcept { return packing_; }
@@ -143,7 +147,7 @@ class Window {
     int bytes = 0;             ///< in the receive ring, 0 once known to have left it
   };
 
-  std::string encode(std::uint32_t number, std::string_view payload) const;
+  const std::string& encode(std::uint32_t number, std::string_view payload) const;
   std::size_t framed_bytes(std::string_view payload) const;
   bool has_room(std::size_t bytes) const noexcept;
   bool is_question(const Flight& flight) const { return flight.number != 0 && kept(flight.number) == "M105"; }
@@ -164,6 +168,8 @@ class Window {
 
   WindowOptions options_;
   std::vector<std::string> history_;  ///< ring of payloads by number
+  mutable std::string framed_;        ///< the last line encoded; kept for its memory
+  mutable std::string unpacked_;      ///< the same before it was packed
   std::deque<Flight> in_flight_;
   std::uint32_t first_ = 1;   ///< of the dialogue
   bool first_taken_ = false;  ///< for sure: an ok alone may be one too many
@@ -180,6 +186,7 @@ class Window {
   int early_requests_ = 0;  ///< in a row
   int queue_places_ = 0;    ///< the most ever reported free
   bool counts_trusted_ = true;
+  bool dense_ = false;
   bool packing_ = false;
   bool draining_ = false;
   bool grant_ = false;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "tests/firmware-io/spaced.h"
+
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
@@ -132,7 +134,7 @@ class ModelFirmware {
     }
     // Two lines run together whose damage cancels in the XOR: no host can know.
     if (line.find('*') != std::string::npos) ++undetectable;
-    command.command = line;
+    command.command = spaced(line);
     if (line == "M108") break_wait = true;
     if (line == "M112") {
       dead = true;

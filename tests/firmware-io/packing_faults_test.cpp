@@ -28,7 +28,7 @@ TEST_CASE("a firmware that goes on unpacking though it was told to stop is told 
   REQUIRE(bench.run_until([&] { return bench.over(); }, 200));
   CHECK(offs > 4);
   CHECK(bench.count<PrintFinished>() == 1);
-  CHECK(std::count(bench.log.begin(), bench.log.end(), "G1 X30") == 1);
+  CHECK(std::count(bench.log.begin(), bench.log.end(), "G1X30") == 1);
 }
 
 TEST_CASE("an emergency stop right after a reconnection is heard by a firmware that still unpacks",

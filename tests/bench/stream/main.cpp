@@ -105,7 +105,8 @@ void compare(const std::string& self, const std::string& python, const Stream& s
   const Row plain = measure("voidpath", printer(baud, false), {self, "--host", "PORT", rate, file}, stream);
   demand(plain.of_wire >= 0.99, "99 % of the wire");
   demand(plain.outcome.resends == 0 && plain.outcome.bytes_dropped == 0, "no resends on a clean line");
-  demand(plain.outcome.cpu.total_s() / static_cast<double>(stream.lines) * 1e5 <= 2, "2 CPU s for 100,000 lines");
+  demand(plain.outcome.cpu.total_s() / static_cast<double>(stream.lines) * 1e5 <= 2,
+         "2 CPU s for 100,000 lines");
   demand(plain.outcome.resident_mb < 16, "16 MB");
   const Row packed =
       measure("voidpath, MeatPack", printer(baud, true), {self, "--host", "PORT", rate, file}, stream);

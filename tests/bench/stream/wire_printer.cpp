@@ -65,8 +65,8 @@ CpuUse last_use(const std::string& output) {
   if (end == output.npos) return {};
   const auto line = output.find_last_of("\r\n", end);
   CpuUse use;
-  std::sscanf(output.c_str() + (line == output.npos ? 0 : line + 1), "%lf %lf %lf", &use.user_s, &use.kernel_s,
-              &use.sleeps);
+  std::sscanf(output.c_str() + (line == output.npos ? 0 : line + 1), "%lf %lf %lf", &use.user_s,
+              &use.kernel_s, &use.sleeps);
   return use;
 }
 
