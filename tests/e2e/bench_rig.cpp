@@ -1,6 +1,7 @@
 #include "tests/e2e/bench_rig.h"
 
 #include "firmware-io/marlin/file_command.h"
+#include "tests/firmware-io/spaced.h"
 
 #include <fstream>
 #include <set>
@@ -126,7 +127,7 @@ std::vector<std::string> BenchRig::executed_print_lines() const {
   const std::set<std::string> host = {"M110", "M115", "M105", "M155", "M113", "M400", "M503", "M211"};
   std::vector<std::string> out;
   for (const std::string& line : executed_lines())
-    if (host.count(first_word(line)) == 0) out.push_back(line);
+    if (host.count(first_word(line)) == 0) out.push_back(spaced(line));
   return out;
 }
 
