@@ -260,7 +260,7 @@ TEST_CASE("a late answer to an earlier question does not end a print whose oks r
   bench.to_host = [&](std::string line) {
     return line == "ok" && bench.firmware.executed.back().starts_with("G1") ? "ok\nok" : line;
   };
-  const Lines file = moves(12) + Lines{"G4 P9000"} + moves(20);
+  const Lines file = moves(13) + Lines{"G4 P9000"} + moves(20);
   bench.print(file);
   REQUIRE(bench.run_until([&] { return over(bench); }, 120));
   CHECK(bench.count<PrintFinished>() == 1);
