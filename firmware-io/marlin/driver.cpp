@@ -361,6 +361,10 @@ void Driver::print(std::unique_ptr<LineSource> source, double t) {
     if (last) report_stats();
     emit(std::move(what));
   });
+  if (panel_waits_) {
+    printer_waits_ = true;
+    job_->pause(true, "the printer waits for a person");
+  }
   settle(t);
 }
 

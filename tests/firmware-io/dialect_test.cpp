@@ -132,3 +132,19 @@ TEST_CASE("a printer that pauses when all is sent is told as a pause, and going 
     CHECK(bench.count<Resumed>() == 1);
   }
 }
+
+TEST_CASE("a print on a printer that waits for a person begins as a pause", "[dialect]") {
+  mock::Options options = mock::make_mock().cold_extrusion().instant_moves().emergency_parser().build();
+  options.dialect.busy = false;
+  MockBench bench(options);
+  REQUIRE(bench.connect());
+  bench.run_for(2);
+  bench.driver.command("M600", bench.t());
+  bench.run_for(5);
+  bench.print({"G90", "G1 X10"});
+  REQUIRE(bench.count<Paused>() == 1);
+  CHECK_FALSE(bench.find<Paused>()->reason.empty());
+  bench.driver.resume(bench.t());
+  REQUIRE(bench.run_until([&] { return bench.over(); }));
+  CHECK(bench.count<PrintFinished>() == 1);
+}
