@@ -1,5 +1,6 @@
 #include "firmware-io/printer_port.h"
 #include "tests/firmware-io/driver_bench.h"
+#include "tests/firmware-io/spaced.h"
 #include "tests/gpio/usb_printer.h"
 
 #include <algorithm>
@@ -43,6 +44,7 @@ std::vector<std::string> moves(int count) {
 }
 
 std::vector<std::string> only_moves(std::vector<std::string> lines) {
+  for (std::string& line : lines) line = voidpath::test::spaced(line);
   std::erase_if(lines, [](const std::string& line) { return !line.starts_with("G1 "); });
   return lines;
 }
