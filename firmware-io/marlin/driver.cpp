@@ -20,8 +20,12 @@ constexpr double kPollCold_s = 5;
 constexpr double kMute_s = 10;
 constexpr double kHot_c = 45;
 
-// After an emergency stop the port stays open so long, for the printer's last words.
+// After the printer has said that it halts the port stays open so long, for its last words.
 constexpr double kLastWords_s = 1;
+// A firmware that reads M112 only behind what it has in hand may have had no room for it: said again so
+// often, for so long, until it is heard.
+constexpr double kRepeatHalt_s = 0.25;
+constexpr double kMostHalting_s = 15;
 
 // Marlin offers three at the most; more is noise.
 constexpr int kMostChoices = 16;
@@ -67,6 +71,11 @@ void Driver::dispatch(const std::string& line, double t) {
     dispatch_ready(reply, t);
   } else if (phase_ == Phase::halted) {
     emit(Message{line});
+    const auto* error = std::get_if<Error>(&reply);
+    if ((error != nullptr && error->kind == Error::Kind::fatal) || std::holds_alternative<Start>(reply)) {
+      halting_until_ = t;
+      enter(Phase::halted, t + kLastWords_s);
+    }
   } else {
     dispatch_handshake(reply, t);
   }
@@ -420,10 +429,6 @@ void Driver::halt(const std::string& reason, double t) {
   link_.output().clear();
   // A printer that was connected before, and not reset since, may still unpack.
   if (packed_once_) link_.output() += kPackingOff;
-  // The newline ends a line cut off in the middle. Unnumbered is seen at once by firmware without emergency
-  // parser, numbered by the rest that insists on numbers.
-  link_.send_raw("\nM112", false, t);
-  link_.send_raw(frame(link_.window().next_number(), "M112"), false, t);
   if (job_) {
     report_stats();
     job_.reset();
@@ -432,7 +437,16 @@ void Driver::halt(const std::string& reason, double t) {
   forget_dialogue();
   last_loss_ = reason;
   if (std::exchange(connected_, false)) emit(Disconnected{reason});
-  enter(Phase::halted, t + kLastWords_s);
+  halting_until_ = t + kMostHalting_s;
+  say_halt(t);
+}
+
+void Driver::say_halt(double t) {
+  // The newline ends a line cut off in the middle. Unnumbered is seen at once by firmware without emergency
+  // parser, numbered by the rest that insists on numbers.
+  link_.send_raw("\nM112", false, t);
+  link_.send_raw(frame(link_.window().next_number(), "M112"), false, t);
+  enter(Phase::halted, t + kRepeatHalt_s);
 }
 
 void Driver::command(const std::string& raw, double t) {

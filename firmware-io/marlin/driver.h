@@ -99,6 +99,7 @@ class Driver final : public Dialogue {
   bool reports_by_itself() const noexcept;
   double poll_at() const noexcept;
   double end_probe_at() const noexcept;
+  void say_halt(double t);
   void fail(const std::string& reason);
   void disconnect(const std::string& reason);
   LinkStats link_stats() const;
@@ -120,6 +121,7 @@ class Driver final : public Dialogue {
   bool autoreport_ = false;  ///< it tells its temperatures by itself
   Phase phase_ = Phase::closed;
   double phase_deadline_ = 0;
+  double halting_until_ = 0;  ///< phase halted: M112 is repeated until then, or until it was heard
   bool start_seen_ = false;
   int greetings_ = 0;
   int packing_asked_ = 0;

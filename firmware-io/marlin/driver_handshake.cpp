@@ -117,6 +117,7 @@ void Driver::handshake_elapsed(double t) {
       ask_packing(t);
       break;
     case Phase::halted:
+      if (t < halting_until_) return say_halt(t);
       phase_ = Phase::closed;
       break;
     case Phase::ready:

@@ -104,6 +104,20 @@ TEST_CASE("going on here also ends the wait at the printer's panel", "[dialect]"
   }
 }
 
+TEST_CASE("an emergency stop gets through to a firmware that has no room for it at first", "[dialect]") {
+  // No emergency parser, the queue full of slow moves, the ring full to the last byte but a few.
+  MockBench bench(mock::make_mock().cold_extrusion().build());
+  REQUIRE(bench.connect());
+  std::vector<std::string> file;
+  for (int i = 0; i < 60; ++i) file.push_back("G1 X" + std::to_string(i % 2 == 0 ? 60 : 0) + " F3000");
+  bench.print(file);
+  bench.run_for(8);
+  REQUIRE(bench.count<LineDone>() > 5);
+  bench.driver.halt("button", bench.t());
+  REQUIRE(bench.run_until([&] { return bench.driver.closing(); }, 30));
+  CHECK(bench.printer.halted());
+}
+
 TEST_CASE("a printer that pauses when all is sent is told as a pause, and going on ends it", "[dialect]") {
   mock::Options options = mock::make_mock().cold_extrusion().instant_moves().emergency_parser().build();
   mock::Fault pause;
