@@ -10,6 +10,7 @@ namespace {
 constexpr double kRestPoll_s = 0.02;
 /// ...and whether a temperature is reached.
 constexpr double kHeatPoll_s = 0.25;
+constexpr std::size_t kBuildBytes = 12;
 constexpr std::size_t kPositionBytes = 1 + 4 * kAxes + 2;
 /// Query::stop: both the motors and the queue.
 constexpr std::uint8_t kStopAndClear = 3;
@@ -18,6 +19,10 @@ Question tool_question(int tool, ToolQuery query) {
   Payload payload(Query::tool);
   payload.u8(static_cast<std::uint8_t>(tool)).u8(static_cast<std::uint8_t>(query));
   return {payload.bytes(), 2};
+}
+
+bool ends_build(const Action& action) {
+  return static_cast<unsigned char>(action.payload.at(0)) == static_cast<unsigned char>(Command::build_end);
 }
 
 bool is_wait(const Action& action) {
@@ -42,6 +47,8 @@ std::optional<Question> PrintJob::question(double t) {
       return tool_question(wait_tool_, ToolQuery::ready);
     case Wait::bed:
       return tool_question(0, ToolQuery::bed_ready);
+    case Wait::build:
+      return Question{Payload(Query::build).bytes(), kBuildBytes};
     case Wait::stopped:
       return Question{Payload(Query::stop).u8(kStopAndClear).bytes(), 0};
     case Wait::extruders:
@@ -78,6 +85,10 @@ void PrintJob::on_answer(const Answer& answer, double t) {
       wait_ = Wait::none;
       state_ = State::feeding;
       return;
+    case Wait::build:
+      // Old firmware does not know the question.
+      if (query == Query::build) on_build(good ? static_cast<BuildState>(answer.data.at(0)) : BuildState::done);
+      return;
     case Wait::stopped:
       if (query != Query::stop) return;
       wants_abort_ = !good;
@@ -105,10 +116,17 @@ void PrintJob::rested() {
   if (state_ == State::starting) {
     wait_ = Wait::extruders;
   } else if (state_ == State::finishing && pending_.empty()) {
-    finish(PrintFinished{});
+    wait_ = Wait::build;
   } else if (pending_.empty()) {
     advance();
   }
+}
+
+void PrintJob::on_build(BuildState state) {
+  wait_ = Wait::none;
+  if (state == BuildState::none) return fail_softly("the printer restarted in mid-print");
+  build_seen_ = true;
+  if (state_ == State::finishing && pending_.empty()) finish(PrintFinished{});
 }
 
 std::optional<Action> PrintJob::next() {
@@ -119,6 +137,11 @@ std::optional<Action> PrintJob::next() {
   const Action& action = pending_.front();
   if (is_wait(action) && !drained_ && state_ != State::ending) {
     wait_ = Wait::rest;
+    return {};
+  }
+  if (ends_build(action) && !build_seen_ && state_ != State::ending) {
+    wait_ = Wait::build;
+    ask_t_ = 0;
     return {};
   }
   if (!std::exchange(started_, true)) emit_(PrintStarted{});

@@ -28,7 +28,9 @@ struct Question {
 ///
 /// It begins when the printer is at rest, with a build notification. A heating wait goes out when all before
 /// it is done, and nothing follows a wait or a homing until that has ended: so that both are timed, and the
-/// first motion leaves when it can begin. At the end of the file the printer is asked until it is at rest.
+/// first motion leaves when it can begin. At the end of the file the printer is asked until it is at rest. A
+/// printer that restarted takes what follows as if nothing were: it knows of no build, which is asked before
+/// the build is ended, and again when all is done.
 class PrintJob {
  public:
   PrintJob(std::unique_ptr<LineSource> source, Encoder& encoder, Emit emit);
@@ -63,7 +65,7 @@ class PrintJob {
 
  private:
   enum class State { starting, feeding, paused, finishing, stopping, ending, over };
-  enum class Wait { none, rest, tool, bed, extruders, stopped, position };
+  enum class Wait { none, rest, tool, bed, extruders, build, stopped, position };
   static constexpr double kNever_t = 1e300;
 
   bool asks() const noexcept { return state_ != State::over && wait_ != Wait::none; }
@@ -71,6 +73,7 @@ class PrintJob {
   void take_line(const SourceLine& line);
   void advance();
   void rested();
+  void on_build(BuildState state);
   void fail_softly(const std::string& reason);
   void queue_ending();
   void finish(decltype(Event::what) outcome);
@@ -82,6 +85,7 @@ class PrintJob {
   Wait wait_ = Wait::rest;
   int wait_tool_ = 0;
   bool homing_ = false, drained_ = false;
+  bool build_seen_ = false;  ///< still the printer's when its end was due
   double ask_t_ = 0;
   std::deque<Action> pending_;
   bool out_ = false;  ///< the front one is on its way

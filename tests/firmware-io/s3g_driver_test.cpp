@@ -375,6 +375,25 @@ TEST_CASE("a restart in mid-print fails the print", "[s3g]") {
   CHECK_THAT(bench.failure(), Catch::Contains("restarted"));
 }
 
+TEST_CASE("a restart near a print's end, where nothing more may be polled, fails it as well", "[s3g]") {
+  S3gBench whole(real_wire());
+  REQUIRE(whole.connect());
+  whole.executed.clear();
+  REQUIRE(whole.print_through(kStart + moves(30)));
+  REQUIRE(whole.count<PrintFinished>() == 1);
+  for (std::size_t before_end = 1; before_end < 12; ++before_end) {
+    S3gBench bench(real_wire());
+    REQUIRE(bench.connect());
+    bench.executed.clear();
+    bench.print(kStart + moves(30));
+    REQUIRE(bench.run_until([&] { return bench.executed.size() + before_end >= whole.executed.size(); }));
+    bench.mock.reset();
+    INFO(before_end << " commands before the end");
+    REQUIRE(bench.run_until([&] { return bench.over(); }, 60));
+    CHECK_THAT(bench.failure(), Catch::Contains("restarted"));
+  }
+}
+
 TEST_CASE("silence in mid-print ends it with a reason", "[s3g]") {
   mock::S3gOptions o = real_wire();
   mock::Fault fault;
