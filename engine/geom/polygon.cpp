@@ -64,10 +64,6 @@ double area(const Regions& regions) {
   return sum;
 }
 
-double distance(const Point& a, const Point& b) {
-  return std::hypot(static_cast<double>(b.x - a.x), static_cast<double>(b.y - a.y));
-}
-
 double length(const Polyline& line) {
   double sum = 0;
   for (std::size_t i = 1; i < line.size(); ++i) sum += distance(line[i - 1], line[i]);

@@ -2,6 +2,7 @@
 
 #include "engine/geom/units.h"
 
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -46,7 +47,12 @@ double area(const Regions& regions);
 /// nm.
 double length(const Polyline& line);
 double perimeter(const Ring& ring);
-double distance(const Point& a, const Point& b);
+/// Coordinates are far too small for their squares to overflow: std::hypot would take five times as long.
+inline double distance(const Point& a, const Point& b) {
+  const auto x = static_cast<double>(b.x - a.x);
+  const auto y = static_cast<double>(b.y - a.y);
+  return std::sqrt(x * x + y * y);
+}
 
 /// Empty when there are no points.
 std::optional<Box> bounds(const Ring& ring);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace voidpath::orient {
 
@@ -92,7 +93,7 @@ double overcounted_volume(const Solid& s) {
   const double dx = (high.x() - low.x()) / kColumns;
   const double dy = (high.y() - low.y()) / kColumns;
   if (!(dx > 0 && dy > 0)) return 0;
-  std::vector<Hit> hits;
+  std::vector<Hit> unsorted;
   for (const auto& t : s.triangles) {
     const Vec3& a = s.vertices[t[0]];
     const Vec3& b = s.vertices[t[1]];
@@ -111,19 +112,24 @@ double overcounted_volume(const Solid& s) {
         const double u = ((x - a.x()) * (c.y() - a.y()) - (c.x() - a.x()) * (y - a.y())) / det;
         const double v = ((b.x() - a.x()) * (y - a.y()) - (x - a.x()) * (b.y() - a.y())) / det;
         if (u < 0 || v < 0 || u + v > 1) continue;
-        hits.push_back({static_cast<std::uint32_t>(i * kColumns + j),
-                        static_cast<float>(a.z() + u * (b.z() - a.z()) + v * (c.z() - a.z())),
-                        det > 0 ? 1 : -1});
+        unsorted.push_back({static_cast<std::uint32_t>(i * kColumns + j),
+                            static_cast<float>(a.z() + u * (b.z() - a.z()) + v * (c.z() - a.z())),
+                            det > 0 ? 1 : -1});
       }
   }
-  std::sort(hits.begin(), hits.end(), [](const Hit& p, const Hit& q) {
-    return p.column != q.column ? p.column < q.column : p.z < q.z;
-  });
+  // Column by column, then each by height.
+  std::vector<std::uint32_t> first(kColumns * kColumns + 1, 0);
+  for (const Hit& h : unsorted) ++first[h.column + 1];
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  std::vector<Hit> hits(unsorted.size());
+  for (const Hit& h : unsorted) hits[first[h.column]++] = h;
   double sum = 0;
   for (std::size_t i = 0; i < hits.size();) {
     std::size_t end = i;
     int balance = 0;
     while (end < hits.size() && hits[end].column == hits[i].column) balance += hits[end++].up;
+    std::sort(hits.begin() + static_cast<std::ptrdiff_t>(i), hits.begin() + static_cast<std::ptrdiff_t>(end),
+              [](const Hit& p, const Hit& q) { return p.z < q.z; });
     // A column that runs along an edge meets it on both sides or on none, and does not add up: left out.
     for (int w = 0; balance == 0 && i + 1 < end; ++i) {
       w -= hits[i].up;

@@ -136,7 +136,7 @@ class Hatcher {
     for (std::uint32_t e = 0; e < ring.size(); ++e) {
       const Turned& a = ring[e];
       const Turned& b = ring[(e + 1) % ring.size()];
-      const double length = std::hypot(b.x - a.x, b.y - a.y);
+      const double length = std::sqrt((b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y));
       const std::int64_t from = row_above(a.y);
       const std::int64_t to = row_above(b.y);
       for (std::int64_t row = from; row < to; ++row) meet(row, a, b, e, length);
