@@ -74,55 +74,15 @@ void turn_over(Solid& s, const Shell& shell) {
   }
 }
 
-/// Volume that overlapping shells count more than once, less what they count negative: the integral of the
-/// winding number less one wherever it is not nil, along columns parallel to z. Nil where shells do not
-/// overlap, whatever the width of a column.
-double overcounted_volume(const Solid& s) {
-  constexpr int kColumns = 512;
-  struct Hit {
-    std::uint32_t column;
-    float z;
-    int up;
-  };
-  Vec3 low = s.vertices.front();
-  Vec3 high = low;
-  for (const Vec3& v : s.vertices) {
-    low = low.cwiseMin(v);
-    high = high.cwiseMax(v);
-  }
-  const double dx = (high.x() - low.x()) / kColumns;
-  const double dy = (high.y() - low.y()) / kColumns;
-  if (!(dx > 0 && dy > 0)) return 0;
-  std::vector<Hit> unsorted;
-  for (const auto& t : s.triangles) {
-    const Vec3& a = s.vertices[t[0]];
-    const Vec3& b = s.vertices[t[1]];
-    const Vec3& c = s.vertices[t[2]];
-    const double det = (b.x() - a.x()) * (c.y() - a.y()) - (c.x() - a.x()) * (b.y() - a.y());
-    if (det == 0) continue;
-    auto column = [](double v, double from, double step) {
-      return std::clamp(static_cast<int>(std::floor((v - from) / step - 0.5)), 0, kColumns - 1);
-    };
-    const int i1 = column(std::max({a.x(), b.x(), c.x()}), low.x(), dx);
-    const int j1 = column(std::max({a.y(), b.y(), c.y()}), low.y(), dy);
-    for (int i = column(std::min({a.x(), b.x(), c.x()}), low.x(), dx); i <= i1; ++i)
-      for (int j = column(std::min({a.y(), b.y(), c.y()}), low.y(), dy); j <= j1; ++j) {
-        const double x = low.x() + (i + 0.5) * dx;
-        const double y = low.y() + (j + 0.5) * dy;
-        const double u = ((x - a.x()) * (c.y() - a.y()) - (c.x() - a.x()) * (y - a.y())) / det;
-        const double v = ((b.x() - a.x()) * (y - a.y()) - (x - a.x()) * (b.y() - a.y())) / det;
-        if (u < 0 || v < 0 || u + v > 1) continue;
-        unsorted.push_back({static_cast<std::uint32_t>(i * kColumns + j),
-                            static_cast<float>(a.z() + u * (b.z() - a.z()) + v * (c.z() - a.z())),
-                            det > 0 ? 1 : -1});
-      }
-  }
-  // Column by column, then each by height.
-  std::vector<std::uint32_t> first(kColumns * kColumns + 1, 0);
-  for (const Hit& h : unsorted) ++first[h.column + 1];
-  std::partial_sum(first.begin(), first.end(), first.begin());
-  std::vector<Hit> hits(unsorted.size());
-  for (const Hit& h : unsorted) hits[first[h.column]++] = h;
+struct Hit {
+  std::uint32_t column;
+  float z;
+  int up;
+};
+
+/// Of hits column by column: the sum of heights, each times the winding number less one wherever that is not
+/// nil. Sorts each column.
+double overcount(std::vector<Hit>& hits) {
   double sum = 0;
   for (std::size_t i = 0; i < hits.size();) {
     std::size_t end = i;
@@ -136,6 +96,63 @@ double overcounted_volume(const Solid& s) {
       if (w != 0) sum += (w - 1) * static_cast<double>(hits[i + 1].z - hits[i].z);
     }
     i = end;
+  }
+  return sum;
+}
+
+/// Volume that overlapping shells count more than once, less what they count negative: the integral of the
+/// winding number less one wherever it is not nil, along columns parallel to z. Nil where shells do not
+/// overlap, whatever the width of a column.
+double overcounted_volume(const Solid& s) {
+  constexpr int kColumns = 512;
+  constexpr int kBand = 64;  // so many rows of columns at once, for the sake of memory
+  Vec3 low = s.vertices.front();
+  Vec3 high = low;
+  for (const Vec3& v : s.vertices) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
+  }
+  const double dx = (high.x() - low.x()) / kColumns;
+  const double dy = (high.y() - low.y()) / kColumns;
+  if (!(dx > 0 && dy > 0)) return 0;
+  double sum = 0;
+  std::vector<Hit> unsorted;
+  std::vector<Hit> hits;
+  std::vector<std::uint32_t> first;
+  for (int band = 0; band < kColumns; band += kBand) {
+    unsorted.clear();
+    for (const auto& t : s.triangles) {
+      const Vec3& a = s.vertices[t[0]];
+      const Vec3& b = s.vertices[t[1]];
+      const Vec3& c = s.vertices[t[2]];
+      auto column = [](double v, double from, double step) {
+        return std::clamp(static_cast<int>(std::floor((v - from) / step - 0.5)), 0, kColumns - 1);
+      };
+      const int i0 = std::max(band, column(std::min({a.x(), b.x(), c.x()}), low.x(), dx));
+      const int i1 = std::min(band + kBand - 1, column(std::max({a.x(), b.x(), c.x()}), low.x(), dx));
+      const double det = (b.x() - a.x()) * (c.y() - a.y()) - (c.x() - a.x()) * (b.y() - a.y());
+      if (i0 > i1 || det == 0) continue;
+      const int j0 = column(std::min({a.y(), b.y(), c.y()}), low.y(), dy);
+      const int j1 = column(std::max({a.y(), b.y(), c.y()}), low.y(), dy);
+      for (int i = i0; i <= i1; ++i)
+        for (int j = j0; j <= j1; ++j) {
+          const double x = low.x() + (i + 0.5) * dx;
+          const double y = low.y() + (j + 0.5) * dy;
+          const double u = ((x - a.x()) * (c.y() - a.y()) - (c.x() - a.x()) * (y - a.y())) / det;
+          const double v = ((b.x() - a.x()) * (y - a.y()) - (x - a.x()) * (b.y() - a.y())) / det;
+          if (u < 0 || v < 0 || u + v > 1) continue;
+          unsorted.push_back({static_cast<std::uint32_t>((i - band) * kColumns + j),
+                              static_cast<float>(a.z() + u * (b.z() - a.z()) + v * (c.z() - a.z())),
+                              det > 0 ? 1 : -1});
+        }
+    }
+    // Column by column.
+    first.assign(kBand * kColumns + 1, 0);
+    for (const Hit& h : unsorted) ++first[h.column + 1];
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    hits.resize(unsorted.size());
+    for (const Hit& h : unsorted) hits[first[h.column]++] = h;
+    sum += overcount(hits);
   }
   return sum * dx * dy;
 }
