@@ -39,7 +39,8 @@ class Witness {
       if (*number != 0) ++invisible;
       return;
     }
-    if (*number != last_ + 1)
+    // A firmware that obeys M110 when its turn comes forgets what it took in between, and is asked again.
+    if (*number != last_ + 1 && !is_question(text))
       violation = "line " + std::to_string(*number) + " after " + std::to_string(last_);
     last_ = *number;
     const auto known = numbered_.find(*number);
@@ -72,6 +73,9 @@ class Witness {
     if (!fresh && at->second != text && without_blanks(at->second) == without_blanks(text)) at->second = text;
     if (!fresh && at->second != text) violation = "number " + std::to_string(number) + " given to two lines";
     if (fresh) lines.push_back(text);
+  }
+  static bool is_question(std::string_view text) {
+    return text == "M115" || text == "M105" || text == "M503" || text == "M211";
   }
   static std::string without_blanks(std::string text) {
     std::erase(text, ' ');

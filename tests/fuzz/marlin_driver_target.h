@@ -265,6 +265,7 @@ class HostileMarlin {
     drain();
     const std::size_t before = laws_.urgent;
     const bool open = !driver_.closing();
+    driver_.take_urgent();  // of an M112 among the user's commands
     driver_.halt("button", t_);
     const bool urgent = driver_.take_urgent();
     drain();
