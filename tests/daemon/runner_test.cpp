@@ -46,16 +46,30 @@ TEST_CASE("a dropped file is prepared, waits for a clear bed, prints, and is fil
   CHECK_FALSE(fs::exists(rig.config.state_dir / "jobs" / "1"));
 }
 
+/// What the printer's own acceleration was taken to be, job by job, in the order of preparing.
+class UsedAccelerations {
+ public:
+  explicit UsedAccelerations(RunnerRig& rig) {
+    rig.prepare = [this, usual = rig.prepare](const PrepareTask& task, const voidpath::run::Context& ctx) {
+      {
+        const std::lock_guard lock(mutex_);
+        used_.push_back(task.firmware ? task.firmware->print_acceleration_mm_s2 : std::nullopt);
+      }
+      return usual(task, ctx);
+    };
+  }
+  std::size_t size() const { return used_.size(); }
+  std::optional<double> operator[](std::size_t i) const { return used_[i]; }
+  std::optional<double> back() const { return used_.back(); }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::optional<double>> used_;
+};
+
 TEST_CASE("what a printer says of itself goes with every job prepared from then on") {
   RunnerRig rig;
-  std::mutex mutex;
-  std::vector<std::optional<double>> used;
-  const auto usual = rig.prepare;
-  rig.prepare = [&](const PrepareTask& task, const voidpath::run::Context& ctx) {
-    const std::lock_guard lock(mutex);
-    used.push_back(task.firmware ? task.firmware->print_acceleration_mm_s2 : std::nullopt);
-    return usual(task, ctx);
-  };
+  UsedAccelerations used(rig);
   rig.connect();
   rig.drop("before.stl");
   REQUIRE(rig.reaches("before.stl", State::waiting_bed));
@@ -75,14 +89,7 @@ TEST_CASE("what a printer said of itself holds for jobs prepared before it answe
   rig.config.printers[0].profile = "generic-marlin";
   rig.config.printers[0].port = "/dev/ttyA";
   rig.restart();
-  std::mutex mutex;
-  std::vector<std::optional<double>> used;
-  const auto usual = rig.prepare;
-  rig.prepare = [&](const PrepareTask& task, const voidpath::run::Context& ctx) {
-    const std::lock_guard lock(mutex);
-    used.push_back(task.firmware ? task.firmware->print_acceleration_mm_s2 : std::nullopt);
-    return usual(task, ctx);
-  };
+  UsedAccelerations used(rig);
   const auto used_for = [&](const std::string& name) {
     rig.drop(name);
     // The first in the queue waits for the bed, the others behind it.
