@@ -55,6 +55,7 @@ std::string to_text(const JobFacts& facts) {
       .set("predicted_s", facts.predicted_s)
       .set("estimate_s", facts.estimate_s)
       .set("as_delivered_s", facts.as_delivered_s)
+      .set("as_delivered_is_rough", facts.as_delivered_is_rough)
       .set("layers", facts.layers)
       .set("filament_mm", facts.filament_mm)
       .set("layer_times", std::move(layers))
@@ -80,6 +81,7 @@ JobFacts facts_from(const std::string& text) {
   facts.predicted_s = json["predicted_s"].number();
   facts.estimate_s = json["estimate_s"].number();
   facts.as_delivered_s = maybe(json["as_delivered_s"]);
+  facts.as_delivered_is_rough = json["as_delivered_is_rough"].boolean();
   facts.layers = json["layers"].integer();
   facts.filament_mm = json["filament_mm"].number();
   for (const auto& layer : json["layer_times"].items()) {

@@ -185,7 +185,8 @@ void file_input(Job& job, const std::string& subfolder, const PrintRecord& recor
   Json report = history_json(record);
   report.set("as_delivered", Json::object()
                                  .set("criteria", criteria_json(record.facts.criteria_as_delivered))
-                                 .set("predicted_s", record.facts.as_delivered_s));
+                                 .set("predicted_s", record.facts.as_delivered_s)
+                                 .set("is_rough", record.facts.as_delivered_is_rough));
   report.set("copies_done", job.copies_done);
   Json notes = Json::array();
   for (const auto& note : record.facts.notes) notes.push(note);

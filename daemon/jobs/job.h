@@ -81,6 +81,7 @@ struct JobFacts {
   double predicted_s = 0;      ///< corrected by what earlier prints taught
   double estimate_s = 0;       ///< the planner's total, motion before heating included
   std::optional<double> as_delivered_s;
+  bool as_delivered_is_rough = false;  ///< from a sample of its layers, or in proportion
   std::int64_t layers = 0;
   double filament_mm = 0;
   std::vector<gcode::LayerTime> layer_times;

@@ -138,6 +138,7 @@ void prepare_model(const PrepareTask& task, const config::JobOverrides& override
     // What comes before heating is the same for both.
     const double before_s = e.after_heating_s > 0 ? e.predicted_s - e.after_heating_s : 0;
     facts.as_delivered_s = *prepared.as_delivered_s - before_s;
+    facts.as_delivered_is_rough = prepared.as_delivered_is_rough;
   }
   if (facts.filament_mm <= 0) facts.filament_mm = prepared.stats.filament_mm;
   facts.notes.insert(facts.notes.end(), prepared.model.notes.begin(), prepared.model.notes.end());

@@ -47,7 +47,10 @@ std::string comparison(const JobFacts& facts) {
   row("  trapped volume", fixed(a.trapped_mm3 / 1000, 2) + " cm³", fixed(b.trapped_mm3 / 1000, 2) + " cm³");
   row("  regions a slice", fixed(a.contours, 2), fixed(b.contours, 2));
   row("  void distance", fixed(a.void_mm, 2) + " mm", fixed(b.void_mm, 2) + " mm");
-  row("  predicted time", duration_or_dash(facts.as_delivered_s), duration(facts.predicted_s));
+  row("  predicted time",
+      (facts.as_delivered_s && facts.as_delivered_is_rough ? "about " : "") +
+          duration_or_dash(facts.as_delivered_s),
+      duration(facts.predicted_s));
   return out;
 }
 

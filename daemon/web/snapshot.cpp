@@ -91,6 +91,7 @@ Json job_json(const Job& job) {
       .set("predicted_s", facts.predicted_s > 0 ? Json(facts.predicted_s) : Json())
       .set("predicted_raw_s", facts.predicted_raw_s > 0 ? Json(facts.predicted_raw_s) : Json())
       .set("as_delivered_s", facts.as_delivered_s)
+      .set("as_delivered_is_rough", facts.as_delivered_is_rough)
       .set("layers", facts.layers)
       .set("filament_mm", facts.filament_mm)
       .set("limits_from", facts.limits_from)

@@ -77,6 +77,7 @@ void compare_as_delivered(Prepared& p, const fs::path& gcode_out, const PrepareO
   const bool exact = !options.slicer && delivered.predicted_s && chosen.predicted_s;
   try {
     if (const auto share = share_as_delivered(p.choice)) {
+      p.as_delivered_is_rough = !exact;
       p.as_delivered_s = exact ? *delivered.predicted_s : *share * p.estimate.predicted_s;
       return;
     }

@@ -59,6 +59,7 @@ struct Prepared {
   /// What the same part takes as delivered, to compare with estimate.predicted_s; absent when that cannot be
   /// printed, was chosen, or was not looked at for want of time.
   std::optional<double> as_delivered_s;
+  bool as_delivered_is_rough = false;        ///< from a sample of its layers, or in proportion
   std::vector<std::string> slicer_messages;  ///< of a foreign slicer
 };
 

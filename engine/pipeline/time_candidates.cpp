@@ -30,6 +30,8 @@ constexpr std::size_t kRefined = 2;
 constexpr double kTurnGain = 0.003;
 /// Of the time left, what sampling the baselines may take.
 constexpr double kSamplingShare = 0.6;
+/// Of the time left, what timing the part in full as it came may take, where the choice does not need it.
+constexpr double kComparisonShare = 0.25;
 
 std::string duration(double seconds) {
   const long minutes = std::lround(seconds / 60);
@@ -88,17 +90,28 @@ std::vector<std::size_t> in_order(const Choice& choice) {
   return out;
 }
 
-/// A part that does not stand as it came was no candidate; what turning it saves is told all the same, from a
-/// sample.
-void sample_as_delivered(const mesh::TriangleMesh& mesh, const PrepareOptions& options, Choice& choice,
-                         Trial& trial, const run::Context& ctx) {
+/// What turning saves is told by the part as it came, which is timed in full for that where it costs little
+/// of the time left, else on a sample of its layers; also where it does not stand so and was no candidate.
+void time_as_delivered(const mesh::TriangleMesh& mesh, const PrepareOptions& options, Choice& choice,
+                       Trial& trial, const run::Context& ctx) {
   Candidate& d = choice.candidates[choice.as_delivered];
-  if (d.printable || d.predicted_s || d.sampled_s || !trial.budget().has_room(trial.expected_sampling_s(1)))
+  const Budget& budget = trial.budget();
+  const auto affordable = [&](std::size_t like) {
+    return !budget.limited() || trial.expected_full_s(like) < kComparisonShare * budget.left();
+  };
+  if (d.predicted_s) return;
+  if (d.printable) {
+    if (d.sampled_s && affordable(choice.as_delivered)) trial.time_rest({choice.as_delivered});
     return;
+  }
+  if (!budget.has_room(trial.expected_sampling_s(1))) return;
   try {
-    ended_in_time(trial.budget(), ctx, [&](const run::Context& inner) {
-      const SampledTime t = sample_time(mesh, d, held(options, d), inner);
+    ended_in_time(budget, ctx, [&](const run::Context& inner) {
+      const PrepareOptions how = held(options, d);
+      const SampledTime t = sample_time(mesh, d, how, inner);
       (t.planned == t.layers ? d.predicted_s : d.sampled_s) = t.seconds;
+      if (const auto best = trial.best(); best && d.sampled_s && affordable(*best))
+        d.predicted_s = time_part(mesh, d, how, inner);
     });
   } catch (const Refused&) {
     // It does not fit: there is nothing to compare with.
@@ -238,7 +251,7 @@ void time_candidates(const mesh::TriangleMesh& mesh, const PrepareOptions& optio
   const bool hurried = sample_baselines(trial, baselines, hurry, ctx);
   bool settled = !trial.budget_spent() && trial.settle(baselines);
 
-  sample_as_delivered(mesh, options, choice, trial, ctx);
+  time_as_delivered(mesh, options, choice, trial, ctx);
   std::size_t left = options.max_extra.value_or(options.now_s ? choice.candidates.size() : 0);
   const NextCandidates queue(choice, under, [&](std::size_t i) { return trial.known(i); });
   while (left > 0 && settled && !trial.budget_spent()) {

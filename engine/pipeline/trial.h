@@ -25,6 +25,8 @@ class Trial {
   void sample(const std::vector<std::size_t>& which, bool few = false);
   /// What sampling so many more would take on all threads, going by those so far.
   double expected_sampling_s(std::size_t count) const;
+  /// What timing a sampled one in full would take; 0 when it was not sampled.
+  double expected_full_s(std::size_t i) const;
   /// Times in full, least sampled time first, whoever may be quicker than the quickest so far as far as the
   /// samples can be trusted. False when the budget ended that.
   bool settle(const std::vector<std::size_t>& among);
@@ -51,7 +53,6 @@ class Trial {
   bool run(const std::vector<std::size_t>& which,
            const std::function<void(std::size_t, const run::Context&)>& body);
   double expected_sample_s(bool few) const;
-  double expected_full_s(std::size_t i) const;
   std::vector<double> deviations() const;
   double bias() const;
   bool settle_while(const std::vector<std::size_t>& among, const std::function<bool(std::size_t)>& wanted);

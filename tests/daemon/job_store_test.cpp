@@ -39,6 +39,7 @@ JobFacts some_facts() {
   facts.predicted_raw_s = 1234.5678901234567;
   facts.predicted_s = 1300;
   facts.as_delivered_s = 2000;
+  facts.as_delivered_is_rough = true;
   facts.layers = 2;
   facts.filament_mm = 99.25;
   facts.layer_times = {{0.2, 15, 600}, {0.4, 9999, 634.5}};
@@ -117,6 +118,7 @@ TEST_CASE("jobs come back as they were saved") {
   CHECK_FALSE(back->facts.criteria_as_delivered);
   CHECK(back->facts.predicted_raw_s == job.facts.predicted_raw_s);
   CHECK(back->facts.as_delivered_s == 2000);
+  CHECK(back->facts.as_delivered_is_rough);
   CHECK(back->facts.why == job.facts.why);
   REQUIRE(back->facts.layer_times.size() == 2);
   CHECK(back->facts.layer_times[1].first_line == 9999);

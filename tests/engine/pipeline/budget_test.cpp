@@ -3,6 +3,7 @@
 #include "engine/pipeline/baselines.h"
 #include "engine/pipeline/sample_time.h"
 #include "engine/pipeline/search_in_time.h"
+#include "engine/pipeline/slice_part.h"
 #include "engine/pipeline/time_candidates.h"
 #include "tests/support/meshes.h"
 
@@ -115,6 +116,27 @@ TEST_CASE("the budget is kept at any pace, and the answer is no worse with more 
   CHECK(cut_samples);
   CHECK(cut_full);
   CHECK(whole);
+}
+
+TEST_CASE("what turning saves is told by the whole part as it came where time allows, else by a sample") {
+  const auto mesh = part();  // does not stand as it came
+  const auto as_delivered = [&](double budget_s) {
+    const auto choice = run_at(1, budget_s, mesh).choice;
+    return choice.candidates[choice.as_delivered];
+  };
+  const orient::Candidate exact = as_delivered(1e12);
+  REQUIRE_FALSE(exact.printable);
+  REQUIRE(exact.predicted_s);
+  const PrepareOptions how = pipeline::held(options(), exact);
+  CHECK(*exact.predicted_s == pipeline::time_part(mesh, exact, how, {}));
+  const double all_s = run_at(1, 1e12, mesh).took_s;
+  bool rough = false;
+  for (const double share : {0.2, 0.3, 0.4, 0.5, 0.6}) {
+    const orient::Candidate c = as_delivered(share * all_s);
+    rough = rough || (c.sampled_s && !c.predicted_s);
+    if (c.sampled_s) CHECK(*c.sampled_s == pipeline::sample_time(mesh, c, how, {}).seconds);
+  }
+  CHECK(rough);
 }
 
 TEST_CASE("when time is short every baseline gets a shorter look rather than some of them none") {
