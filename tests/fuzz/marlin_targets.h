@@ -140,9 +140,12 @@ inline void fuzz_marlin_file(const std::uint8_t* data, std::size_t size) {
       }
     }
     check_framed(frame(number, trimmed), number, trimmed);
-    const bool move = trimmed.front() == 'G';
-    const std::string bare = without_blanks(trimmed);
-    const std::string packed = pack(frame(number, bare, move ? "" : " "));
+    std::string bare = trimmed;
+    if (trimmed.front() == 'G') std::erase(bare, ' ');
+    std::string dense;
+    append_dense_frame(dense, number, trimmed);
+    check_framed(dense, number, bare);
+    const std::string packed = pack(dense);
     mock::Unpacker unpacker;
     std::string unpacked;
     bool told = false;
