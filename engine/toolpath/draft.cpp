@@ -80,7 +80,7 @@ void add_bridge(std::vector<Path>& out, const BridgeArea& bridge, const BeadSize
         lead_to_ground(line, ground, domain);
         std::reverse(line.begin(), line.end());
       }
-      out.push_back(make_path(Role::bridge_infill, std::move(line), false, width, strand,
+      out.push_back(make_path(Role::bridge_infill, std::move(line), false, width, width,
                               flow * strand_area_mm2(strand)));
     }
   }

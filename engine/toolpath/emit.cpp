@@ -21,7 +21,7 @@ namespace {
 
 /// Text is handed to the stream in pieces of about this size, bytes.
 constexpr std::size_t kFlushBytes = 1 << 20;
-/// Widths that differ by less are the same to a reader of the comments, mm.
+/// Widths and heights that differ by less are the same to a reader of the comments, mm.
 constexpr double kSameWidthMm = 5e-4;
 
 bool mentions(std::string_view text, std::initializer_list<std::string_view> words) {
@@ -100,7 +100,8 @@ class Emitter {
     ++writer_.stats().layers;
     writer_.comment("LAYER_CHANGE");
     writer_.comment("Z:" + decimal(layer.span.top_mm, 3));
-    writer_.comment("HEIGHT:" + decimal(layer.span.height_mm(), 3));
+    height_mm_ = layer.span.height_mm();
+    writer_.comment("HEIGHT:" + decimal(height_mm_, 3));
     writer_.reset_e();
     if (i == 1) change_temperatures();
     pace_ = paces_[i];
@@ -190,6 +191,10 @@ class Emitter {
       width_mm_ = path.width_mm;
       writer_.comment("WIDTH:" + decimal(path.width_mm, 3));
     }
+    if (std::abs(height_mm_ - path.height_mm) >= kSameWidthMm) {
+      height_mm_ = path.height_mm;
+      writer_.comment("HEIGHT:" + decimal(path.height_mm, 3));
+    }
   }
 
   void retract_towards(const geom::Point& to) {
@@ -228,6 +233,7 @@ class Emitter {
   bool has_type_ = false;
   bool z_pending_ = true;
   double width_mm_ = 0;
+  double height_mm_ = 0;
 };
 
 }  // namespace

@@ -14,6 +14,12 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 /// Moves shorter than the last written digit say nothing about a width, mm.
 constexpr double kLeastLength = 0.01;
+/// What the ends of a bead lack of a rectangle, as a share of its height.
+constexpr double kRoundEnds = 1 - kPi / 4;
+/// Heights that differ by less are the same: half the last written digit, mm.
+constexpr double kSameHeight = 5e-4;
+/// The digits of E and Z at the thin end of a round, mm³.
+constexpr double kNothing = 1e-3;
 
 /// Arcs are looked at in pieces this long, mm.
 constexpr double kArcPiece = 0.2;
@@ -49,7 +55,10 @@ class Interpreter {
     if (semicolon == 0) return comment(text.substr(1));
     command(text.substr(0, semicolon));
   }
-  Print take() { return std::move(print_); }
+  Print take() {
+    settle();
+    return std::move(print_);
+  }
 
  private:
   void complain(const std::string& what) {
@@ -59,6 +68,7 @@ class Interpreter {
 
   void comment(const std::string& text) {
     if (text == "LAYER_CHANGE") {
+      settle();
       print_.layers.emplace_back();
       return;
     }
@@ -75,7 +85,11 @@ class Interpreter {
     if (const auto v = after("WIDTH:")) width_ = number(*v).value_or(0);
     if (print_.layers.empty()) return;
     if (const auto v = after("Z:")) print_.layers.back().top = number(*v).value_or(0);
-    if (const auto v = after("HEIGHT:")) print_.layers.back().height = number(*v).value_or(0);
+    if (const auto v = after("HEIGHT:")) {
+      height_ = number(*v).value_or(0);
+      if (!(height_ > 0)) complain("a height that is none");
+      if (print_.layers.back().height == 0) print_.layers.back().height = height_;
+    }
   }
 
   void command(const std::string& text) {
@@ -104,16 +118,16 @@ class Interpreter {
     const bool arc = name == "G2" || name == "G3";
     if (name != "G0" && name != "G1" && !arc) return;
     if (arc && !get('I') && !get('J')) return complain("an arc without its centre");
-    const double x = get('X').value_or(x_), y = get('Y').value_or(y_);
+    const double x = get('X').value_or(x_), y = get('Y').value_or(y_), z = get('Z').value_or(z_);
     const double e = get('E') ? (relative_ ? *get('E') : *get('E') - e_) : 0;
     if (!relative_ && get('E')) e_ = *get('E');
     const bool lays = !print_.layers.empty() && e > 0 && (get('X') || get('Y') || arc);
     if (lays && arc)
       curve(x, y, x_ + get('I').value_or(0), y_ + get('J').value_or(0), name == "G2", e * area_);
     else if (lays)
-      strand(x, y, e * area_);
-    if (!std::isfinite(x) || !std::isfinite(y)) complain("a coordinate is no number");
-    x_ = x, y_ = y;
+      strand(x, y, z, e * area_);
+    if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z)) complain("a coordinate is no number");
+    x_ = x, y_ = y, z_ = z;
   }
 
   /// An arc as short straight pieces.
@@ -129,37 +143,100 @@ class Interpreter {
       const double share = static_cast<double>(k) / n;
       const double r = r0 + (r1 - r0) * share, a = from + turn * share;
       const double px = k == n ? x : cx + r * std::cos(a), py = k == n ? y : cy + r * std::sin(a);
-      strand(px, py, volume / n);
+      strand(px, py, z_, volume / n);
       x_ = px, y_ = py;
     }
   }
 
-  void strand(double x, double y, double volume) {
+  /// A strand as it comes; what it lies on is known when its layer is done.
+  struct Raw {
+    double x0, y0, x1, y1;
+    double z0, z1;  ///< of the nozzle
+    double volume, width, height;
+    Kind kind;
+  };
+
+  void strand(double x, double y, double z, double volume) {
+    raw_.push_back({x_, y_, x, y, z_, z, volume, width_, height_, kind_});
+  }
+
+  /// Nozzle heights along a round by the share of its way.
+  using Climb = std::vector<std::pair<double, double>>;
+
+  static double height_at(const Climb& climb, double share) {
+    if (climb.empty()) return 0;
+    const auto next = std::lower_bound(climb.begin(), climb.end(), std::pair{share, -1e9});
+    if (next == climb.begin()) return climb.front().second;
+    if (next == climb.end()) return climb.back().second;
+    const auto before = next - 1;
+    const double way = next->first - before->first;
+    const double t = way > 0 ? (share - before->first) / way : 0;
+    return before->second + t * (next->second - before->second);
+  }
+
+  /// The layer's strands become beads.
+  void settle() {
+    if (print_.layers.empty()) return raw_.clear();
     Layer& layer = print_.layers.back();
-    const double length = std::hypot(x - x_, y - y_);
-    layer.volume += volume;
-    const double h = layer.height;
-    // What overhangs may be a strand in air or a bead squeezed on its neighbour: the comments don't tell
-    // which.
-    const double flat = width_ > h ? (width_ - h * (1 - kPi / 4)) * h : kPi / 4 * width_ * h;
-    const double strand = kPi / 4 * width_ * width_;
-    const double area_here = length > 0 ? volume / length : 0;
-    const bool round =
-        kind_ == Kind::bridge && width_ > 0 && std::abs(area_here - strand) < std::abs(area_here - flat);
-    const double told = round ? strand : flat;
-    layer.implied += length * told;
+    const auto begins_below = [&](const Raw& r) { return r.z0 < layer.top - kSameHeight; };
+    const bool climbs = std::any_of(raw_.begin(), raw_.end(), begins_below);
+    if (!climbs) {
+      climb_.clear();
+      for (const Raw& r : raw_) add(r, r.height);
+      return raw_.clear();
+    }
+    // First what climbs, then the level round on it, if there is one.
+    const auto rim = std::find_if_not(raw_.begin(), raw_.end(), begins_below);
+    const std::vector<Raw> first(raw_.begin(), rim), second(rim, raw_.end());
+    Climb own = lay_round(first, climb_, layer.top - layer.height);
+    if (!second.empty()) own = lay_round(second, own, layer.top);
+    climb_ = std::move(own);
+    raw_.clear();
+  }
+
+  /// A round over another one, or over `level` where there is none.
+  Climb lay_round(const std::vector<Raw>& round, const Climb& under, double level) {
+    Climb own;
+    double whole = 0, along = 0;
+    for (const Raw& r : round) whole += std::hypot(r.x1 - r.x0, r.y1 - r.y0);
+    for (const Raw& r : round) {
+      const double length = std::hypot(r.x1 - r.x0, r.y1 - r.y0);
+      const double share = (along + 0.5 * length) / whole, z = 0.5 * (r.z0 + r.z1);
+      if (own.empty()) own.emplace_back(0, r.z0);
+      along += length;
+      own.emplace_back(along / whole, r.z1);
+      add(r, z - (under.empty() ? level : height_at(under, share)));
+    }
+    return own;
+  }
+
+  void add(const Raw& r, double height) {
+    Layer& layer = print_.layers.back();
+    layer.volume += r.volume;
+    const double length = std::hypot(r.x1 - r.x0, r.y1 - r.y0);
+    const double top = 0.5 * (r.z0 + r.z1);
+    if (!(height > 0)) {
+      // The end of the level round on a climbing one: nothing is left to fill.
+      if (r.volume > kNothing) complain("material where there is no room for it");
+      return;
+    }
+    layer.implied +=
+        length * (r.width > height ? (r.width - height * kRoundEnds) * height : kPi / 4 * r.width * height);
     if (length < kLeastLength) return;
-    const double area = volume / length;
-    double width = area / h + h * (1 - kPi / 4);
-    if (width < h) width = area / (kPi / 4 * h);
+    const double area = r.volume / length;
+    double width = area / height + height * kRoundEnds;
+    if (width < height) width = area / (kPi / 4 * height);
+    const bool round = r.width == r.height;
     if (round) width = std::sqrt(area / (kPi / 4));
-    layer.beads.push_back({x_, y_, x, y, width, kind_});
+    layer.beads.push_back({r.x0, r.y0, r.x1, r.y1, width, height, top, r.kind, round, r.z1 != r.z0});
   }
 
   double area_;
   Print print_;
   std::size_t line_ = 0;
-  double x_ = 0, y_ = 0, e_ = 0, width_ = 0;
+  std::vector<Raw> raw_;  ///< of the layer that is read
+  Climb climb_;           ///< of the layer below
+  double x_ = 0, y_ = 0, z_ = 0, e_ = 0, width_ = 0, height_ = 0;
   bool relative_ = false;
   Kind kind_ = Kind::fill;
 };

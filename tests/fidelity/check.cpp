@@ -1,10 +1,14 @@
 #include "tests/fidelity/check.h"
 
+#include "tests/fidelity/ground.h"
 #include "tests/fidelity/mask.h"
+#include "tests/fidelity/sections.h"
 
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <map>
+#include <memory>
 #include <numbers>
 #include <optional>
 
@@ -24,10 +28,8 @@ constexpr double kBorderShare = 1.0;
 constexpr double kThinnestBead = 0.3;
 /// Distances up to this many pixels are looked up one by one.
 constexpr int kNearPixels = 4;
-/// Digits of the cut heights, mm.
-constexpr double kCutError = 1e-5;
-/// How many layers down support may lie below what it holds, beyond its gap.
-constexpr std::size_t kSupportLayers = 4;
+/// Ends of strands that meet, with the digits of their coordinates, mm.
+constexpr double kSamePlace = 2e-3;
 
 std::string place(std::size_t layer, const Layer& l, double x, double y) {
   const auto number = [](double v) {
@@ -42,8 +44,17 @@ void note(Worst& worst, double value, const std::string& where) {
   if (value > worst.value) worst = {value, where};
 }
 
-Grid grid_for(const mesh::TriangleMesh& mesh, const Rules& rules) {
-  const mesh::Bounds b = mesh::bounds(mesh);
+/// The part, and what stands around it.
+Grid grid_for(const mesh::TriangleMesh& mesh, const Print& print, const Rules& rules) {
+  mesh::Bounds b = mesh::bounds(mesh);
+  for (const Layer& l : print.layers)
+    for (const Bead& bead : l.beads) {
+      if (bead.kind != Kind::support && bead.kind != Kind::brim) continue;
+      b.min.x() = std::min({b.min.x(), bead.x0, bead.x1});
+      b.min.y() = std::min({b.min.y(), bead.y0, bead.y1});
+      b.max.x() = std::max({b.max.x(), bead.x0, bead.x1});
+      b.max.y() = std::max({b.max.y(), bead.y0, bead.y1});
+    }
   Grid g;
   g.x0 = b.min.x() - kBorder;
   g.y0 = b.min.y() - kBorder;
@@ -54,38 +65,14 @@ Grid grid_for(const mesh::TriangleMesh& mesh, const Rules& rules) {
   return g;
 }
 
-/// Where the mesh's triangles pass the height. A corner exactly there counts as above.
-std::vector<Edge> section(const mesh::TriangleMesh& mesh, const std::vector<std::uint32_t>& triangles,
-                          double z) {
-  std::vector<Edge> out;
-  for (const std::uint32_t t : triangles) {
-    const auto& corner = mesh.triangles[t];
-    const mesh::Vec3* v[3] = {&mesh.vertices[corner[0]], &mesh.vertices[corner[1]],
-                              &mesh.vertices[corner[2]]};
-    // Counter-clockwise corners seen from outside: the edge that comes down lies left of the one that goes
-    // up.
-    std::optional<geom::Vec3> from, to;
-    for (int k = 0; k < 3; ++k) {
-      const mesh::Vec3 &a = *v[k], &b = *v[(k + 1) % 3];
-      const bool above_a = a.z() >= z, above_b = b.z() >= z;
-      if (above_a == above_b) continue;
-      // The same two corners in the same order, whichever triangle asks: neighbours meet exactly.
-      const bool swap = above_a;
-      const mesh::Vec3 &low = swap ? b : a, &high = swap ? a : b;
-      const double s = (z - low.z()) / (high.z() - low.z());
-      const geom::Vec3 p = low + s * (high - low);
-      (above_b ? to : from) = p;
-    }
-    if (from && to) out.push_back({from->x(), from->y(), to->x(), to->y()});
-  }
-  return out;
-}
-
 class Checker {
  public:
   Checker(const mesh::TriangleMesh& mesh, const Print& print, const Rules& rules)
-      : mesh_(mesh), print_(print), rules_(rules), grid_(grid_for(mesh, rules)) {
-    sort_triangles();
+      : print_(print),
+        rules_(rules),
+        grid_(grid_for(mesh, print, rules)),
+        sections_(mesh, print, rules_, grid_) {
+    for (const Layer& l : print.layers) thickest_ = std::max(thickest_, l.height);
   }
 
   Findings run() {
@@ -102,72 +89,32 @@ class Checker {
   }
 
  private:
-  /// A face may lie in the very height of the cut, and digits decide which side counts: both are right.
-  struct Section {
-    Mask most, least;
-  };
-  struct Seen {
-    Section section;
-    Mask part, support;
-    double top = 0;
-  };
-
-  double cut(const Layer& l) const { return l.top - 0.5 * l.height; }
-
-  void sort_triangles() {
-    by_layer_.resize(print_.layers.size());
-    std::vector<double> cuts;
-    for (const Layer& l : print_.layers) cuts.push_back(cut(l));
-    for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
-      double low = 1e300, high = -1e300;
-      for (const auto v : mesh_.triangles[t]) {
-        low = std::min(low, mesh_.vertices[v].z());
-        high = std::max(high, mesh_.vertices[v].z());
-      }
-      auto first = std::lower_bound(cuts.begin(), cuts.end(), low - kCutError);
-      for (; first != cuts.end() && *first <= high + kCutError; ++first)
-        by_layer_[static_cast<std::size_t>(first - cuts.begin())].push_back(t);
-    }
-  }
-
-  /// Whether a corner lies in the height of the cut.
-  bool grazed(const std::vector<std::uint32_t>& triangles, double z) const {
-    for (const std::uint32_t t : triangles)
-      for (const auto v : mesh_.triangles[t])
-        if (std::abs(mesh_.vertices[v].z() - z) <= kCutError) return true;
-    return false;
-  }
-
-  Section section_of(std::size_t i) const {
-    if (i >= print_.layers.size()) return {Mask(grid_.count(), 0), Mask(grid_.count(), 0)};
-    const double z = cut(print_.layers[i]);
-    Mask low = fill(section(mesh_, by_layer_[i], z - kCutError), grid_);
-    if (!grazed(by_layer_[i], z)) return {low, low};
-    Mask high = fill(section(mesh_, by_layer_[i], z + kCutError), grid_);
-    if (low == high) return {low, std::move(high)};
-    Mask most = low;
-    for (std::size_t p = 0; p < most.size(); ++p) most[p] |= high[p];
-    return {std::move(most), both(low, high)};
-  }
+  bool is_spiral(std::size_t i) const { return rules_.vase && i >= rules_.floor_layers; }
 
   void layer(std::size_t i) {
     const Layer& l = print_.layers[i];
     Seen now;
-    now.section = next_.most.empty() ? section_of(i) : std::move(next_);
-    next_ = section_of(i + 1);
+    now.section = next_.most.empty() ? sections_.of(i) : std::move(next_);
+    next_ = sections_.of(i + 1);
     now.part.assign(grid_.count(), 0);
     now.support.assign(grid_.count(), 0);
     now.top = l.top;
+    now.bottom = l.top - l.height;
     for (const Bead& b : l.beads)
       if (b.kind != Kind::brim) draw(b.kind == Kind::support ? now.support : now.part, grid_, b);
-    outside(i, now);
-    covered(i, now);
-    const Mask none(grid_.count(), 0);
-    surface(i, now, next_.most, found_.top_hole);
-    surface(i, now, below_.empty() ? none : below_.back().section.most, found_.bottom_hole);
-    if (i > 0) held(i, now);
+    if (is_spiral(i)) {
+      spiral(i, now);
+    } else {
+      outside(i, now.section.most, now.part);
+      covered(i, now);
+      const Mask none(grid_.count(), 0);
+      surface(i, now, is_spiral(i + 1) ? none : next_.most, found_.top_hole);
+      surface(i, now, below_.empty() ? none : below_.back().section.most, found_.bottom_hole);
+    }
+    brim(i, now);
+    held(i);
     below_.push_back(std::move(now));
-    if (below_.size() > kSupportLayers) below_.pop_front();
+    while (below_.front().top < l.top - Ground::reach(rules_, thickest_)) below_.pop_front();
   }
 
   std::pair<double, double> middle(std::size_t pixel) const {
@@ -184,11 +131,10 @@ class Checker {
 
   /// Where the part is thinner than the thinnest bead, that bead reaches out on both sides and must: there
   /// the distance counts from where it would end on the thin wall's other side.
-  void outside(std::size_t i, const Seen& now) {
+  void outside(std::size_t i, const Mask& section, const Mask& part) {
     std::vector<float> far, to_wide;  // made when first wanted
-    const Mask& section = now.section.most;
     for (std::size_t p = 0; p < section.size(); ++p) {
-      if (now.part[p] == 0 || section[p] != 0) continue;
+      if (part[p] == 0 || section[p] != 0) continue;
       double d = 0;
       if (const auto close = near(section, grid_, p, kNearPixels)) {
         d = *close;
@@ -220,6 +166,7 @@ class Checker {
     const double bare = static_cast<double>(count(without(now.section.least, now.part))) * grid_.area();
     const double allowed = kAreaShare * area + kBorderShare * rules_.line_width * perimeter;
     if (allowed > 0) note(found_.uncovered, bare / allowed, place(i, print_.layers[i], 0, 0));
+    if (perimeter > 0) note(found_.inset, bare / perimeter, place(i, print_.layers[i], 0, 0));
   }
 
   /// What of this layer the other one leaves open must be closed, a line width from its border on.
@@ -245,113 +192,115 @@ class Checker {
         note_pixel(worst, static_cast<double>(depth[p]), i, all.whole(core.whole(p, all.grid), grid_));
   }
 
-  /// What lies under a layer: whether a strand of it has something to lie on.
-  class Ground {
-   public:
-    Ground(const Checker& c, std::size_t i)
-        : rules_(c.rules_), grid_(c.grid_), under_(c.below_.back()), part_(under_.part, c.grid_) {
-      const Layer& l = c.print_.layers[i];
-      const double bottom = l.top - l.height;
-      lean_ = std::max(l.height * std::tan(rules_.support_angle_deg * std::numbers::pi / 180),
-                       0.25 * rules_.line_width) +
-              grid_.size;
-      sparse_ = std::max(rules_.line_width / std::max(rules_.infill_density, 0.02), lean_);
-      between_ = 0.6 * rules_.line_width / std::max(rules_.support_density, 0.02) + grid_.size;
-      on_plate_ = bottom <= rules_.support_z_gap + l.height + kCutError;
-      Mask open(grid_.count(), 1);  // where the part itself has a gap down to the layer looked at
-      for (auto s = c.below_.rbegin(); s != c.below_.rend(); ++s) {
-        if (s->top < bottom - rules_.support_z_gap - 2 * l.height) break;
-        if (s->top <= bottom - rules_.support_z_gap + 1e-6) {
-          if (held_up_.empty()) held_up_.assign(grid_.count(), 0), close_below_ = held_up_;
-          for (std::size_t p = 0; p < held_up_.size(); ++p) {
-            held_up_[p] |= s->support[p];
-            if (open[p] != 0) close_below_[p] |= s->part[p];
-          }
-        }
-        open = without(open, s->section.most);
-      }
-      if (!held_up_.empty()) {
-        support_.emplace(held_up_, grid_);
-        close_.emplace(close_below_, grid_);
-      }
-    }
+  /// The wall leads from the outline of the layer below to its own.
+  void spiral(std::size_t i, const Seen& now) {
+    Mask either = now.section.most;
+    Mask border = rim(now.section.least);
+    const Mask from = below_.empty() ? border : rim(below_.back().section.most);
+    if (!below_.empty())
+      for (std::size_t p = 0; p < either.size(); ++p) either[p] |= below_.back().section.most[p];
+    outside(i, either, now.part);
+    const auto to_wall = distance_to(now.part, grid_), to_below = distance_to(from, grid_);
+    for (std::size_t p = 0; p < border.size(); ++p)
+      if (border[p] != 0) note_pixel(found_.wall_gap, static_cast<double>(to_wall[p] - to_below[p]), i, p);
+  }
 
-    bool holds(double x, double y) {
-      if (on_plate_) return true;
-      const int i = static_cast<int>(std::floor((x - grid_.x0) / grid_.size));
-      const int j = static_cast<int>(std::floor((y - grid_.y0) / grid_.size));
-      if (i < 0 || j < 0 || i >= grid_.nx || j >= grid_.ny) return false;
-      const std::size_t p = grid_.at(i, j);
-      if (part_.within(p, under_.section.most[p] != 0 ? sparse_ : lean_)) return true;
-      return support_.has_value() && (support_->within(p, between_) || close_->within(p, lean_));
-    }
+  /// Pixels of an area with a neighbour that is none of it.
+  Mask rim(const Mask& area) const {
+    const Mask inner = shrunk_square(area, grid_, 1);
+    return without(area, inner);
+  }
 
-   private:
-    const Rules& rules_;
-    const Grid& grid_;
-    const Seen& under_;
-    Nearby part_;
-    Mask held_up_;      ///< by support a gap below
-    Mask close_below_;  ///< the part under a gap of its own no deeper than support's
-    std::optional<Nearby> support_, close_;
-    double lean_ = 0, sparse_ = 0, between_ = 0;
-    bool on_plate_ = false;
-  };
+  void brim(std::size_t i, const Seen& now) {
+    Mask mask;
+    for (const Bead& b : print_.layers[i].beads) {
+      if (b.kind != Kind::brim) continue;
+      if (mask.empty()) mask.assign(grid_.count(), 0);
+      draw(mask, grid_, b);
+      found_.brim_mm += std::hypot(b.x1 - b.x0, b.y1 - b.y0);
+    }
+    if (mask.empty()) return;
+    Mask inverse = now.section.least, stands = now.part;
+    for (std::size_t p = 0; p < mask.size(); ++p) inverse[p] ^= 1u, stands[p] |= now.support[p];
+    const auto depth = distance_to(inverse, grid_), away = distance_to(stands, grid_);
+    for (std::size_t p = 0; p < mask.size(); ++p)
+      if (mask[p] != 0) {
+        note_pixel(found_.brim_inside, static_cast<double>(depth[p]), i, p);
+        note_pixel(found_.brim_away, static_cast<double>(away[p]), i, p);
+      }
+  }
+
+  /// Height of what the strand is to lie on. What hangs round hangs from the layer's own bottom.
+  static double underside(const Layer& l, const Bead& b) {
+    const double bottom = l.top - l.height;
+    return b.round || b.climbs ? bottom : std::min(bottom, b.top - b.height);
+  }
 
   struct Run {
     double length = 0, unannounced = 0;
     double x = 0, y = 0;
     bool from_end = false;  ///< began where a strand begins
+    bool support = false;
   };
 
-  void held(std::size_t i, const Seen&) {
-    Ground ground(*this, i);
+  void close(std::optional<Run>& run, std::size_t i, bool at_end) {
+    if (!run) return;
+    const std::string where = place(i, print_.layers[i], run->x, run->y);
+    if (run->support) {
+      note(run->from_end || at_end ? found_.support_loose : found_.support_span, run->length, where);
+    } else if (run->from_end || at_end) {
+      found_.loose_mm += run->length;
+      note(found_.loose, run->length, where);
+    } else if (run->unannounced > 0) {
+      found_.unannounced_mm += run->unannounced;
+      note(found_.unannounced, run->unannounced, where);
+    }
+    run.reset();
+  }
+
+  void held(std::size_t i) {
     const Layer& l = print_.layers[i];
+    std::map<long, std::unique_ptr<Ground>> grounds;  // by the underside, µm
+    const auto ground_of = [&](const Bead& b) -> Ground& {
+      const double z = underside(l, b);
+      auto& g = grounds[std::lround(1000 * z)];
+      if (!g) g = std::make_unique<Ground>(below_, rules_, grid_, z, l.height);
+      return *g;
+    };
     std::optional<Run> run;
     const Bead* before = nullptr;
-    const auto close = [&](bool at_end) {
-      if (!run) return;
-      if (run->from_end || at_end) {
-        found_.loose_mm += run->length;
-        note(found_.loose, run->length, place(i, l, run->x, run->y));
-      } else if (run->unannounced > 0) {
-        found_.unannounced_mm += run->unannounced;
-        note(found_.unannounced, run->unannounced, place(i, l, run->x, run->y));
-      }
-      run.reset();
-    };
     for (const Bead& b : l.beads) {
-      if (b.kind == Kind::brim || b.kind == Kind::support) {
-        close(true);
-        before = nullptr;
-        continue;
-      }
-      const bool joined = before != nullptr && std::hypot(b.x0 - before->x1, b.y0 - before->y1) < 2e-3;
-      if (!joined) close(true);
+      const bool joined = before != nullptr && before->kind != Kind::brim &&
+                          (before->kind == Kind::support) == (b.kind == Kind::support) &&
+                          std::hypot(b.x0 - before->x1, b.y0 - before->y1) < kSamePlace;
+      if (!joined) close(run, i, true);
+      before = &b;
+      if (b.kind == Kind::brim) continue;
+      const bool support = b.kind == Kind::support;
       const double length = std::hypot(b.x1 - b.x0, b.y1 - b.y0);
-      found_.length_mm += length;
+      (support ? found_.support_mm : found_.length_mm) += length;
+      Ground& ground = ground_of(b);
       const int n = std::max(1, static_cast<int>(std::ceil(length / kSample)));
       for (int k = 0; k < n; ++k) {
         const double t = (k + 0.5) / n;
         const double x = b.x0 + t * (b.x1 - b.x0), y = b.y0 + t * (b.y1 - b.y0);
-        if (ground.holds(x, y)) {
-          close(false);
+        if (support ? ground.holds_support(x, y) : ground.holds(x, y)) {
+          close(run, i, false);
           continue;
         }
-        if (!run) run = Run{0, 0, x, y, !joined && k == 0};
+        if (!run) run = Run{0, 0, x, y, !joined && k == 0, support};
         run->length += length / n;
         if (b.kind != Kind::bridge) run->unannounced += length / n;
       }
-      before = &b;
     }
-    close(true);
+    close(run, i, true);
   }
 
-  const mesh::TriangleMesh& mesh_;
   const Print& print_;
   const Rules& rules_;
   Grid grid_;
-  std::vector<std::vector<std::uint32_t>> by_layer_;
+  Sections sections_;
+  double thickest_ = 0;  ///< layer, mm
   Section next_;
   std::deque<Seen> below_;
   Findings found_;

@@ -1,0 +1,48 @@
+#pragma once
+
+#include "engine/mesh/triangle_mesh.h"
+#include "engine/pipeline/slice_part.h"
+#include "engine/run/context.h"
+#include "tests/fidelity/check.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+/// Parts sliced to be looked at.
+namespace voidpath::fidelity {
+
+/// Keys of a configuration and their values.
+using Set = std::vector<std::pair<std::string, std::string>>;
+
+/// Of a plain printer with a bed larger than any part: placement is not what is looked at here.
+pipeline::PrepareOptions options_for(const Set& set);
+
+struct Sliced {
+  mesh::TriangleMesh placed;
+  std::string gcode;
+  Rules rules;
+  double filament_diameter = 1.75, flow = 1;
+};
+
+/// As it stands.
+Sliced sliced(const mesh::TriangleMesh& mesh, const pipeline::PrepareOptions& options,
+              const run::Context& ctx = {});
+
+/// The G-code as strands; whatever could not be understood is in the print's complaints.
+Print read(const Sliced& part);
+Findings checked(const Sliced& part);
+
+/// Beyond its section by the compensation that is allowed, mm, and the pixels' error.
+double outside_limit(const Findings& f);
+/// Where lines of a skin turn, a corner stays open: half its width, mm, and the pixels' error.
+double hole_limit(const Findings& f);
+/// The tip of a strand may stick out by its own width, mm.
+inline constexpr double kTip = 0.5;
+
+/// The names of the findings that are beyond what is allowed.
+std::vector<std::string> beyond_bounds(const Findings& f);
+/// All of them, to be read.
+std::string told(const std::string& name, const Findings& f);
+
+}  // namespace voidpath::fidelity
