@@ -15,6 +15,9 @@ struct MachineBox {
   bool operator==(const MachineBox&) const = default;
 };
 
+/// The shortest form of a line that it is known to read, which is how it is sent.
+enum class LineForm { plain, dense, packed };
+
 /// How a firmware is set up, in its own words (M503, M211, M115). What it did not tell is empty; of several
 /// extruders the first counts.
 struct FirmwareLimits {
@@ -30,6 +33,7 @@ struct FirmwareLimits {
   std::optional<double> min_travel_feed_mm_s;
   std::optional<double> min_segment_time_s;
   std::optional<MachineBox> volume;  ///< M115's full area, else where the software endstops are
+  LineForm line_form = LineForm::plain;
 
   bool operator==(const FirmwareLimits&) const = default;
 };

@@ -42,6 +42,18 @@ std::optional<std::array<double, 3>> corner_from(const Json& json) {
   return std::array{cells[0].number(), cells[1].number(), cells[2].number()};
 }
 
+const char* name_of(fw::LineForm form) {
+  switch (form) {
+    case fw::LineForm::plain:
+      return "plain";
+    case fw::LineForm::dense:
+      return "dense";
+    case fw::LineForm::packed:
+      return "packed";
+  }
+  return "";
+}
+
 }  // namespace
 
 std::string to_text(const fw::FirmwareLimits& limits) {
@@ -53,6 +65,7 @@ std::string to_text(const fw::FirmwareLimits& limits) {
   }
   for (const auto& [name, value] : kNumbers)
     if (limits.*value) out.set(name, *(limits.*value));
+  if (limits.line_form != fw::LineForm::plain) out.set("lines", name_of(limits.line_form));
   if (limits.volume) {
     out.set("min_mm", corner_json(limits.volume->min_mm));
     out.set("max_mm", corner_json(limits.volume->max_mm));
@@ -70,6 +83,8 @@ fw::FirmwareLimits limits_from(const std::string& text) {
   }
   for (const auto& [name, value] : kNumbers)
     if (json[name].is_number()) out.*value = json[name].number();
+  for (const auto form : {fw::LineForm::dense, fw::LineForm::packed})
+    if (json["lines"].text() == name_of(form)) out.line_form = form;
   const auto low = corner_from(json["min_mm"]), high = corner_from(json["max_mm"]);
   if (low && high) out.volume = fw::MachineBox{*low, *high};
   return out;

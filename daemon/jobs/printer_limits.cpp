@@ -79,6 +79,18 @@ void take_corners(motion::MachineLimits& ours, const fw::FirmwareLimits& theirs)
   }
 }
 
+motion::LineFormat format_of(fw::LineForm form) {
+  switch (form) {
+    case fw::LineForm::plain:
+      return motion::LineFormat::plain;
+    case fw::LineForm::dense:
+      return motion::LineFormat::dense;
+    case fw::LineForm::packed:
+      return motion::LineFormat::packed;
+  }
+  return motion::LineFormat::plain;
+}
+
 /// How much of the bed the axes reach, and how high.
 std::array<double, 3> reach(const toolpath::MachineShape& machine, const fw::MachineBox& box) {
   std::array<double, 3> out{box.max_mm[0], box.max_mm[1], box.max_mm[2]};
@@ -117,6 +129,7 @@ std::vector<std::string> differences(const config::Profile& profile, const fw::F
 }
 
 config::Profile with_limits(config::Profile profile, const fw::FirmwareLimits& firmware) {
+  profile.limits.line_format = format_of(firmware.line_form);
   const auto told = differences(profile, firmware);
   if (told.empty()) return profile;
   each_value(profile.limits, firmware,

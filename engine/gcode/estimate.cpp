@@ -55,7 +55,7 @@ class Estimation {
     const Command command = parse_command(code);
     if (command.letter == 0) return;
     ++commands_;
-    planner_.receive(code.size());
+    planner_.receive(code);
     const bool was_moved = machine_.moved();
     const Effect effect = machine_.run(command, tally_.tag(lines_));
     planner_.confirm();

@@ -11,6 +11,13 @@ using PerAxis = std::array<double, 4>;
 
 enum class Firmware { marlin, s3g };
 
+/// In which form the host sends a line.
+enum class LineFormat {
+  plain,   ///< as the G-code has it
+  dense,   ///< moves without blanks
+  packed,  ///< MeatPack: those, and the commonest characters two in a byte
+};
+
 /// How the stepper interrupt turns a block into steps.
 enum class Stepping {
   marlin_2_0,    ///< 2.0 up to 2.1.2: deceleration ends early (see planner.h)
@@ -41,6 +48,7 @@ struct MachineLimits {
   std::array<double, 3> homing_speed_mm_s = {50, 50, 4};
   int rx_bytes = 128;
   int command_queue = 4;
+  LineFormat line_format = LineFormat::plain;
   double baud = 115200;  ///< of the serial line that feeds it; 0: the line never is the brake
 };
 

@@ -6,8 +6,13 @@ namespace voidpath::motion {
 namespace {
 
 constexpr double kBitsPerByte = 10;  // start, eight, stop
-/// 'N', blank, '*', newline, and a checksum that mostly has two digits.
-constexpr std::size_t kFrameBytes = 6;
+/// 'N', '*', newline, and a checksum that mostly has two digits.
+constexpr std::size_t kFrameBytes = 5;
+/// What MeatPack packs, in its mode without blanks; of the frame all but 'N' and '*'.
+constexpr std::string_view kCommon = "0123456789.E\nGX";
+constexpr std::size_t kRareInFrame = 2;
+/// A packed character, and one that is not: half a byte that says so, and its own.
+constexpr std::size_t kCommonBits = 4, kRareBits = 12;
 /// Lines between looks whether both planners plan alike again.
 constexpr std::size_t kJoinEvery = 8;
 
@@ -54,17 +59,26 @@ void SerialLine::confirmed(double time_t) {
   if (!pending_.empty()) pending_.back().confirmed_t = time_t;
 }
 
-std::size_t framed_bytes(std::size_t characters, std::size_t number) {
-  return characters + digits(number) + kFrameBytes;
+std::size_t framed_bytes(std::string_view command, std::size_t number, LineFormat format) {
+  const std::size_t frame = digits(number) + kFrameBytes;
+  const bool dense = format != LineFormat::plain && command.starts_with('G');
+  const auto blanks = static_cast<std::size_t>(std::count(command.begin(), command.end(), ' '));
+  const std::size_t text = dense ? command.size() - blanks : command.size() + 1;  // and one behind the number
+  if (format != LineFormat::packed) return text + frame;
+  const auto common = static_cast<std::size_t>(std::count_if(
+      command.begin(), command.end(), [](char ch) { return kCommon.find(ch) != std::string_view::npos; }));
+  const std::size_t rare = text - common + kRareInFrame;
+  return ((text + frame - rare) * kCommonBits + rare * kRareBits + 7) / 8;
 }
 
 WiredPlanner::WiredPlanner(const MachineLimits& limits, BlockListener* listener)
     : wired_(limits, listener), line_(line_rate(limits), limits.rx_bytes) {}
 
-void WiredPlanner::receive(std::size_t characters) {
+void WiredPlanner::receive(std::string_view command) {
   if (wired_.limits().baud <= 0) return;
   const bool s3g = wired_.limits().firmware == Firmware::s3g;
-  const double arrival_t = line_.arrival(s3g ? kS3gMove : framed_bytes(characters, ++number_));
+  const double arrival_t =
+      line_.arrival(s3g ? kS3gMove : framed_bytes(command, ++number_, wired_.limits().line_format));
   if (arrival_t <= wired_.now()) return;
   if (!ideal_) {
     ideal_ = wired_;

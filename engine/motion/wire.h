@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <deque>
 #include <optional>
+#include <string_view>
 
 /// The serial line that feeds the planner.
 ///
@@ -38,8 +39,9 @@ class SerialLine {
   std::deque<Pending> pending_;
 };
 
-/// Bytes on the wire for a line with that many characters as line `number`: "N12 G1 X1*34\n".
-std::size_t framed_bytes(std::size_t characters, std::size_t number);
+/// Bytes that a command fills on the wire, and of the firmware's buffer, as line `number`:
+/// "N12 G1 X1.5*34\n".
+std::size_t framed_bytes(std::string_view command, std::size_t number, LineFormat format);
 
 /// A planner behind a serial line, and beside it, whenever a late line has made a difference, the same
 /// planner fed without delay: the difference of their clocks is what the line costs.
@@ -48,8 +50,8 @@ class WiredPlanner {
   WiredPlanner(const MachineLimits& limits, BlockListener* listener);
 
   const MachineLimits& limits() const { return wired_.limits(); }
-  /// The next command comes in a line of that many characters.
-  void receive(std::size_t characters);
+  /// The next command comes in a line of its own.
+  void receive(std::string_view command);
   /// The command has been obeyed.
   void confirm();
 

@@ -186,7 +186,12 @@ void Driver::ask_limits() {
 }
 
 void Driver::tell_limits() {
-  if (const auto limits = settings_.limits()) emit(LimitsKnown{*limits});
+  auto limits = settings_.limits();
+  if (!limits) return;
+  limits->line_form = link_.packing()                     ? LineForm::packed
+                      : reads_dense_moves(firmware_.name) ? LineForm::dense
+                                                          : LineForm::plain;
+  emit(LimitsKnown{*limits});
 }
 
 }  // namespace voidpath::fw::marlin

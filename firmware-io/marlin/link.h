@@ -56,6 +56,7 @@ class Link {
   void packing_tried() noexcept { packed_once_ = true; }
   /// It was tried and not answered.
   void packing_failed() noexcept { quiet_lines_ = 0; }
+  bool packing() const noexcept { return window_.packing(); }
   /// Whether moves go without blanks where they are not packed.
   void set_dense(bool on) noexcept { window_.set_dense(on); }
   /// After all was forgotten: nothing is packed.

@@ -306,6 +306,7 @@ TEST_CASE("a printer's limits come back as they were said, and go when forgotten
   kept.limits.jerk_mm_s[2] = 0.4;
   kept.limits.junction_deviation_mm = 0.013;
   kept.limits.min_segment_time_s = 0.02;
+  kept.limits.line_form = voidpath::fw::LineForm::packed;
   kept.limits.volume = voidpath::fw::MachineBox{{-1, 0, 0}, {220, 220, 250.5}};
   {
     JobStore store(dir / "db");

@@ -41,6 +41,9 @@ TEST_CASE("a printer set up as its profile says is left as it is, roundings of M
   const auto laid = with_limits(p, alike(p));
   CHECK(laid.limits.junction_deviation_mm == 0.013);
   CHECK(laid.sha256 == p.sha256);
+  auto short_lines = alike(p);
+  short_lines.line_form = fw::LineForm::dense;
+  CHECK(with_limits(p, short_lines).limits.line_format == motion::LineFormat::dense);
   CHECK(differences(p, {}).empty());
 }
 

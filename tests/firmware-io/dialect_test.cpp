@@ -26,6 +26,7 @@ TEST_CASE("a printer's own settings are known after connecting, in the words of 
   CHECK(limits.retract_acceleration_mm_s2 == 1234);
   CHECK(limits.jerk_mm_s[0].has_value() == classic);
   CHECK(limits.junction_deviation_mm.has_value() != classic);
+  CHECK((limits.line_form == LineForm::dense) == (firmware == "marlin2"));
   REQUIRE(limits.volume);
   CHECK(limits.volume->max_mm == std::array<double, 3>{235, 232, 283});
   for (const Event& event : bench.events)

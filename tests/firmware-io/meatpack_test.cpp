@@ -102,6 +102,7 @@ TEST_CASE("packing is used when the firmware offers it, and saves two fifths", "
                         .round_trip(0.001)
                         .build());
     REQUIRE(bench.run_until([&] { return bench.count<LimitsKnown>() == 1; }));
+    CHECK(bench.find<LimitsKnown>()->limits.line_form == (offered ? LineForm::packed : LineForm::plain));
     bench.print(file);
     REQUIRE(bench.run_until([&] { return bench.over(); }));
     CHECK(bench.count<PrintFinished>() == 1);

@@ -26,7 +26,7 @@ MachineLimits replicator() {
 /// `count` moves of `length_mm` each, straight on, as asked for at `speed_mm_s`.
 double straight(WiredPlanner& planner, int count, double length_mm, float speed_mm_s) {
   for (int i = 1; i <= count; ++i) {
-    planner.receive(20);
+    planner.receive("G1 X1 Y2");
     planner.line_to({{static_cast<float>(i * length_mm), 0, 0, 0}, speed_mm_s, 0});
     planner.confirm();
   }

@@ -10,17 +10,19 @@ using voidpath::test::plain_limits;
 
 namespace {
 
-/// `count` lines of `length` mm at 100 mm/s, each 20 characters long.
+constexpr std::string_view kCommand = "G1 X100.25 Y20 E.305";
+
 struct Outcome {
   double total;
   double limited;
 };
+/// `count` lines of `length` mm at 100 mm/s.
 Outcome print_lines(double baud, int count, double length) {
   MachineLimits limits = plain_limits();
   limits.baud = baud;
   WiredPlanner planner(limits, nullptr);
   for (int i = 1; i <= count; ++i) {
-    planner.receive(20);
+    planner.receive(kCommand);
     planner.line_to(move_to(i * length, 0, 100));
     planner.confirm();
   }
@@ -31,8 +33,16 @@ Outcome print_lines(double baud, int count, double length) {
 }  // namespace
 
 TEST_CASE("a framed line counts number, blank, checksum and newline", "[motion]") {
-  CHECK(framed_bytes(10, 7) == 17);  // "N7 G1 X1.0 Y2.0*34\n" less its 10 characters of G-code
-  CHECK(framed_bytes(10, 12345) == 21);
+  const auto plain = LineFormat::plain, dense = LineFormat::dense, packed = LineFormat::packed;
+  const std::string_view move = "G1 X1.0 Y-2.5 E.3", other = "M204 P1000";
+  CHECK(framed_bytes(move, 7, plain) == std::string_view("N7 G1 X1.0 Y-2.5 E.3*34\n").size());
+  CHECK(framed_bytes(move, 12345, plain) == std::string_view("N12345 G1 X1.0 Y-2.5 E.3*34\n").size());
+  CHECK(framed_bytes(move, 7, dense) == std::string_view("N7G1X1.0Y-2.5E.3*34\n").size());
+  CHECK(framed_bytes(other, 7, dense) == framed_bytes(other, 7, plain));
+  // "N7 G1X1.0 Y-2.5E.3*34\n": of twenty characters N, Y, - and * take twelve bits, the others four.
+  CHECK(framed_bytes(move, 7, packed) == (16 * 4 + 4 * 12) / 8);
+  // "N7 M204 P1000*34\n": of 17 N, both blanks, M, P and * take twelve.
+  CHECK(framed_bytes(other, 7, packed) == (11 * 4 + 6 * 12 + 7) / 8);
 }
 
 TEST_CASE("confirmed lines follow one another at the wire's speed", "[motion]") {
@@ -60,7 +70,8 @@ TEST_CASE("segments shorter than the wire can feed take the wire's time", "[moti
   // about 30 ms.
   const Outcome slow = print_lines(9600, 2000, 0.5);
   double wire_t = 0;
-  for (std::size_t i = 1; i <= 2000; ++i) wire_t += static_cast<double>(framed_bytes(20, i)) * 10 / 9600;
+  for (std::size_t i = 1; i <= 2000; ++i)
+    wire_t += static_cast<double>(framed_bytes(kCommand, i, LineFormat::plain)) * 10 / 9600;
   CHECK(slow.total == Approx(wire_t).epsilon(0.02));
   const Outcome free = print_lines(0, 2000, 0.5);
   CHECK(free.limited == 0);
