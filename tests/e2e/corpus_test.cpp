@@ -1,46 +1,14 @@
-#include <catch2/catch.hpp>
-
-#include <fstream>
-#include <map>
-
-#include <sys/resource.h>
-
 #include "tests/e2e/bench_rig.h"
 #include "tests/support/meshes.h"
+#include "tests/support/real_models.h"
+
+#include <catch2/catch.hpp>
+#include <sys/resource.h>
 
 using namespace voidpath::test;
 namespace fs = std::filesystem;
 
 namespace {
-
-using Row = std::map<std::string, std::string>;
-
-/// RFC 4180 as far as the manifests use it: quoted cells, no line breaks in them.
-std::vector<Row> read_csv(const fs::path& file) {
-  std::vector<Row> rows;
-  std::vector<std::string> head;
-  for (std::string line : lines_of(read_file(file))) {
-    if (!line.empty() && line.back() == '\r') line.pop_back();
-    std::vector<std::string> cells(1);
-    bool quoted = false;
-    for (const char c : line) {
-      if (c == '"')
-        quoted = !quoted;
-      else if (c == ',' && !quoted)
-        cells.emplace_back();
-      else
-        cells.back() += c;
-    }
-    if (head.empty()) {
-      head = cells;
-      continue;
-    }
-    Row row;
-    for (std::size_t i = 0; i < head.size() && i < cells.size(); ++i) row[head[i]] = cells[i];
-    rows.push_back(std::move(row));
-  }
-  return rows;
-}
 
 /// Children inherit it: no file may take more than a gigabyte.
 void limit_memory() {
@@ -77,8 +45,8 @@ TEST_CASE("every real model is oriented by the published method and sliced", "[c
     INFO(oriented.err);
     CHECK(oriented.code == 0);
     if (oriented.code == 0) CHECK(nlohmann::json::parse(oriented.out).at("candidates") == 1286);
-    const Result out = run({program("voidpath"), "slice", file, "--scale", row.at("scale"), "--as-delivered", "-o",
-                            dir / "out.gcode", "--json"},
+    const Result out = run({program("voidpath"), "slice", file, "--scale", row.at("scale"), "--as-delivered",
+                            "-o", dir / "out.gcode", "--json"},
                            dir.path(), kHang_s);
     INFO(out.err);
     CHECK(out.code == 0);

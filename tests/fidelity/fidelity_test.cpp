@@ -1,6 +1,7 @@
 #include "engine/mesh/import.h"
 #include "tests/fidelity/slicing.h"
 #include "tests/support/meshes.h"
+#include "tests/support/real_models.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -111,21 +112,25 @@ TEST_CASE("real parts are printed as they are", "[corpus]") {
   }
 }
 
+namespace {
+
+mesh::TriangleMesh imported(const fs::path& file, double scale) {
+  mesh::ImportOptions options;
+  options.scale = scale;
+  return mesh::import_model(file, options).mesh;
+}
+
+}  // namespace
+
 TEST_CASE("every real part, printed sparse and solid", "[.every]") {
   const std::string shared = test::shared_dir();
   REQUIRE(!shared.empty());
   const char* only = std::getenv("VOIDPATH_ONLY");  // part of a name; empty: all
-  std::vector<fs::path> files;
-  for (const auto& e : fs::directory_iterator(fs::path(shared) / "models")) {
-    const auto extension = e.path().extension();
-    if (only != nullptr && e.path().filename().string().find(only) == std::string::npos) continue;
-    if (extension == ".stl" || extension == ".obj" || extension == ".3mf") files.push_back(e.path());
-  }
-  std::sort(files.begin(), files.end());
-  for (const fs::path& file : files)
+  const auto models = test::real_models(fs::path(shared) / "models", only != nullptr ? only : "");
+  for (const auto& [file, scale] : models)
     for (const Set& set : {Set{}, Set{{"slice.infill_density", "1"}}}) {
       const std::string name = file.filename().string() + (set.empty() ? "" : ", solid");
-      const Findings f = checked(sliced(mesh::import_model(file, {}, {}).mesh, options_for(set)));
+      const Findings f = checked(sliced(imported(file, scale), options_for(set)));
       std::cout << told(name, f) << std::flush;
       INFO(told(name, f));
       CHECK(beyond_bounds(f) == std::vector<std::string>{});

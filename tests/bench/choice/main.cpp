@@ -7,6 +7,7 @@
 #include "tests/bench/choice/ranks.h"
 #include "tests/bench/slicer/child.h"
 #include "tests/bench/slicer/rival.h"
+#include "tests/support/real_models.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -187,30 +188,6 @@ Options parse(int argc, char** argv) {
   return out;
 }
 
-/// Scales by file name, from the folder's MANIFEST.csv: column `scale`, quotes as in CSV.
-double scale_of(const fs::path& model) {
-  std::ifstream in(model.parent_path() / "MANIFEST.csv");
-  std::size_t column = 0;
-  bool head = true;
-  for (std::string line; std::getline(in, line); head = false) {
-    std::vector<std::string> cells(1);
-    bool quoted = false;
-    for (const char c : line) {
-      if (c == '"')
-        quoted = !quoted;
-      else if (c == ',' && !quoted)
-        cells.emplace_back();
-      else
-        cells.back() += c;
-    }
-    if (head)
-      column = static_cast<std::size_t>(std::find(cells.begin(), cells.end(), "scale") - cells.begin());
-    if (!head && cells[0] == model.filename().string() && column < cells.size() && !cells[column].empty())
-      return std::stod(cells[column]);
-  }
-  return 1;
-}
-
 double median(std::vector<double> v) {
   if (v.empty()) return 0;
   std::sort(v.begin(), v.end());
@@ -221,12 +198,7 @@ double median(std::vector<double> v) {
 
 int main(int argc, char** argv) try {
   const Options options = parse(argc, argv);
-  std::vector<fs::path> models;
-  for (const auto& entry : fs::directory_iterator(options.models))
-    if (mesh::is_model_name(entry.path()) &&
-        entry.path().filename().string().find(options.only) != std::string::npos)
-      models.push_back(entry.path());
-  std::sort(models.begin(), models.end());
+  std::vector<test::RealModel> models = test::real_models(options.models, options.only);
   std::mt19937 random(options.seed);
   for (std::size_t i = models.size(); i > 1; --i) std::swap(models[i - 1], models[random() % i]);
 
@@ -234,10 +206,10 @@ int main(int argc, char** argv) try {
   std::printf("%-44s %5s %9s %10s %10s\n", "model", "dirs", "spearman", "ours", "theirs");
   std::vector<double> correlations;
   std::size_t done = 0, compared = 0, better = 0, not_worse = 0;
-  for (const fs::path& model : models) {
+  for (const auto& [model, scale] : models) {
     if (done >= options.count) break;
     try {
-      const Result r = bench.run(model, scale_of(model));
+      const Result r = bench.run(model, scale);
       ++done;
       if (r.correlation) correlations.push_back(*r.correlation);
       std::printf("%-44.44s %5zu %9s", r.name.c_str(), r.ours.size(),

@@ -1,14 +1,13 @@
 #include "engine/mesh/import.h"
 #include "engine/orient/search.h"
 #include "tests/bench/search/growing.h"
+#include "tests/support/real_models.h"
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 #include <string>
 #include <vector>
@@ -54,53 +53,11 @@ Cost cost_of(int who, const Work& work) {
   return {std::chrono::duration<double>(Clock::now() - start).count(), cpu_seconds(who) - cpu};
 }
 
-struct Part {
-  fs::path file;
-  double scale = 1;
-};
-
-std::vector<std::string> split_csv(const std::string& line) {
-  std::vector<std::string> out(1);
-  bool quoted = false;
-  for (const char c : line) {
-    if (c == '"') {
-      quoted = !quoted;
-    } else if (c == ',' && !quoted) {
-      out.emplace_back();
-    } else {
-      out.back() += c;
-    }
-  }
-  return out;
-}
-
-std::vector<Part> parts_in(const fs::path& folder) {
-  std::vector<Part> out;
-  std::ifstream manifest(folder / "MANIFEST.csv");
-  std::string line;
-  std::getline(manifest, line);
-  const auto header = split_csv(line);
-  const auto column =
-      static_cast<std::size_t>(std::find(header.begin(), header.end(), "scale") - header.begin());
-  while (std::getline(manifest, line)) {
-    const auto fields = split_csv(line);
-    if (column >= fields.size()) continue;
-    Part part{folder / fields[0], 1};
-    std::from_chars(fields[column].data(), fields[column].data() + fields[column].size(), part.scale);
-    if (voidpath::mesh::is_model_name(part.file)) out.push_back(part);
-  }
-  return out;
-}
+using Part = voidpath::test::RealModel;
 
 std::vector<Part> shared_parts() {
   const char* shared = std::getenv("VOIDPATH_SHARED");
-  return shared == nullptr ? std::vector<Part>() : parts_in(fs::path(shared) / "models");
-}
-
-Part part_at(const fs::path& file) {
-  for (const Part& p : parts_in(file.parent_path()))
-    if (p.file == file) return p;
-  return {file, 1};
+  return shared == nullptr ? std::vector<Part>() : voidpath::test::real_models(fs::path(shared) / "models");
 }
 
 std::string quoted(const fs::path& p) {
@@ -209,7 +166,7 @@ int main(int argc, char** argv) {
     } else if (arg == "--growth") {
       growth = true;
     } else {
-      parts.push_back(part_at(arg));
+      parts.push_back(voidpath::test::real_model(arg));
     }
   }
   if (parts.empty() && !growth) {

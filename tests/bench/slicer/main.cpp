@@ -9,6 +9,7 @@
 #include "tests/bench/slicer/child.h"
 #include "tests/bench/slicer/measure.h"
 #include "tests/bench/slicer/rival.h"
+#include "tests/support/real_models.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -20,7 +21,8 @@
 #include <vector>
 
 /// Our slicer against PrusaSlicer and CuraEngine: the same meshes as delivered, the same settings, each a
-/// program of its own from file to file, every G-code timed by our estimator.
+/// program of its own from file to file, every G-code timed by our estimator. Models of a folder with a
+/// MANIFEST.csv are scaled as that says.
 ///   bench_slicer [FILE...] [--models DIR] [--only TEXT] [--rival NAME] [--profile SPEC] [--set KEY=VALUE]
 ///                [--cura-definition FILE] [--keep DIR] [--reuse]
 /// --keep: where models and G-code go, kept afterwards; --reuse: the rivals' G-code and times found there
@@ -69,16 +71,19 @@ class Bench {
   }
 
   /// A row for each rival; none for what is no model or does not fit.
-  std::vector<Row> run(const fs::path& model) {
+  std::vector<Row> run(const test::RealModel& model) {
     Row row;
-    row.name = model.stem().string();
+    row.name = model.file.stem().string();
     const fs::path base = options_.keep / row.name;
     mesh::Bounds bounds;
     const fs::path stl = base.string() + ".stl";
     slice::LayerStack stack;
     double brim_mm = profile_.print.slice.brim_width_mm;
     try {
-      mesh::TriangleMesh mesh = mesh::turned(mesh::import_model(model).mesh, geom::Vec3(0, 0, 1));
+      mesh::ImportOptions import;
+      import.scale = model.scale;
+      mesh::TriangleMesh mesh =
+          mesh::turned(mesh::import_model(model.file, import).mesh, geom::Vec3(0, 0, 1));
       const geom::Vec3 size = mesh::bounds(mesh).size();
       const auto& m = profile_.print.machine;
       if (size.x() > m.bed_mm[0] || size.y() > m.bed_mm[1] || size.z() > m.height_mm) return {};
@@ -293,19 +298,15 @@ int main(int argc, char** argv) try {
     std::fprintf(stderr, "no models: give --models DIR or set VOIDPATH_SHARED\n");
     return 2;
   }
-  std::vector<fs::path> models = options.files;
-  if (models.empty())
-    for (const auto& entry : fs::directory_iterator(options.models))
-      if (mesh::is_model_name(entry.path()) &&
-          entry.path().filename().string().find(options.only) != std::string::npos)
-        models.push_back(entry.path());
-  std::sort(models.begin(), models.end());
+  std::vector<test::RealModel> models;
+  for (const fs::path& file : options.files) models.push_back(test::real_model(file));
+  if (models.empty()) models = test::real_models(options.models, options.only);
 
   Bench bench(options, fs::canonical("/proc/self/exe").parent_path());
   std::printf(
       "ours : theirs                        wall    cpu memory    time filament travel outside  retr.\n");
   std::map<std::string, std::vector<Row>> rows;
-  for (const fs::path& model : models) {
+  for (const test::RealModel& model : models) {
     const std::vector<Row> found = bench.run(model);
     for (std::size_t i = 0; i < found.size(); ++i) {
       const Row& row = found[i];

@@ -1,5 +1,6 @@
 #include "tests/engine/mesh/import_support.h"
 #include "tests/support/meshes.h"
+#include "tests/support/real_models.h"
 
 #include <algorithm>
 #include <charconv>

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -120,35 +119,6 @@ inline std::string zip(const std::vector<ZipPart>& parts) {
   u32(out, at);
   u16(out, 0);
   return out;
-}
-
-/// Rows of a comma-separated file with a heading, each as column name to value; quoted fields may hold
-/// commas.
-inline std::vector<std::map<std::string, std::string>> read_csv(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  std::vector<std::map<std::string, std::string>> rows;
-  std::vector<std::string> heading;
-  for (std::string line; std::getline(in, line);) {
-    if (!line.empty() && line.back() == '\r') line.pop_back();
-    std::vector<std::string> fields(1);
-    bool quoted = false;
-    for (const char c : line) {
-      if (c == '"') {
-        quoted = !quoted;
-      } else if (c == ',' && !quoted) {
-        fields.emplace_back();
-      } else {
-        fields.back() += c;
-      }
-    }
-    if (heading.empty()) {
-      heading = fields;
-      continue;
-    }
-    auto& row = rows.emplace_back();
-    for (std::size_t i = 0; i < heading.size() && i < fields.size(); ++i) row[heading[i]] = fields[i];
-  }
-  return rows;
 }
 
 }  // namespace voidpath::test
