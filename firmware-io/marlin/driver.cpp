@@ -149,7 +149,7 @@ void Driver::on_restart(double t) {
     emit(PrintFailed{reason + " in mid-print"});
   }
   forget_dialogue();
-  link_.output().clear();
+  link_.drop_output();
   if (std::exchange(connected_, false)) emit(Disconnected{reason});
   start_seen_ = true;
   greetings_ = 0;
@@ -278,7 +278,7 @@ void Driver::disconnect(const std::string& reason) {
 }
 
 void Driver::lost(const std::string& reason) {
-  link_.output().clear();
+  link_.drop_output();
   if (job_) {
     report_stats();
     job_.reset();
@@ -426,7 +426,7 @@ void Driver::shut_down(double t) {
 void Driver::halt(const std::string& reason, double t) {
   if (phase_ == Phase::closed || phase_ == Phase::halted) return;
   urgent_ = true;
-  link_.output().clear();
+  link_.drop_output();
   // A printer that was connected before, and not reset since, may still unpack.
   if (packed_once_) link_.output() += kPackingOff;
   if (job_) {

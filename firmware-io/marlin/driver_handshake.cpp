@@ -50,6 +50,7 @@ void Driver::greet(double t) {
   link_.restart(0);
   link_.forget_packing();
   link_.set_dense(false);
+  link_.set_piecewise(false);
   // A firmware that was not reset may still unpack; one that knows nothing of it is spared the bytes at
   // first.
   if (packed_once_ || greetings_ > 1) link_.output() += kPackingOff;
@@ -166,7 +167,9 @@ void Driver::become_ready(double t) {
   connected_ = true;
   last_loss_.clear();
   polled_t_ = 0;
-  link_.set_dense(reads_dense_moves(firmware_.name));
+  const bool marlin_2 = reads_dense_moves(firmware_.name);
+  link_.set_dense(marlin_2);
+  link_.set_piecewise(marlin_2);
   autoreport_ = offers("AUTOREPORT_TEMP");
   if (reports_by_itself()) {
     controls_.push_back("M155 S1");

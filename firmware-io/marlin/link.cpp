@@ -4,6 +4,7 @@
 #include "firmware-io/marlin/meatpack.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -28,6 +29,8 @@ constexpr double kMostLead = 0.3;
 // How the estimate of an ok's time moves: up when it was not there on awaking, down by as much at the most
 // when it came earlier. A rest ends so much behind it, where there is room.
 constexpr double kOkTime_s = 5e-5;
+// And down when it was there: it may have been for long. One in so many rests then ends too early.
+constexpr double kOkTimeDown_s = kOkTime_s / 16;
 constexpr double kBehindOk_s = 1e-4;
 // From awaking to reading.
 constexpr double kAtOnce_s = 1e-4;
@@ -69,6 +72,7 @@ Link::Link(WindowOptions options, Timing timing, double byte_s, const Clock& sta
 void Link::restart(std::uint32_t last) {
   window_.restart(last);
   outstanding_.clear();
+  tail_.clear();
   long_number_ = 0;
   questions_open_ = 0;
   wire_free_t_ = 0;
@@ -130,21 +134,56 @@ void Link::note_missed_ok() noexcept {
 // Its ok has come, at the latest when it was read.
 void Link::note_ok_time(const Outstanding& line) noexcept {
   if (line.number == rested_for_) {
-    if (received_t_ > awoke_t_ + kAtOnce_s) note_missed_ok();
+    if (received_t_ > awoke_t_ + kAtOnce_s)
+      note_missed_ok();
+    else
+      ok_after_s_ = std::max(ok_after_s_ - kOkTimeDown_s, 0.0);
     rested_for_ = 0;
   }
   ok_after_s_ = std::max({std::min(ok_after_s_, received_t_ - line.gone_t), ok_after_s_ - kOkTime_s, 0.0});
 }
 
-void Link::write(std::string_view bytes, std::string_view shown, double t) {
-  if (window_.bytes_in_flight() <= static_cast<int>(bytes.size())) progress_t_ = t;  // nothing else was out
+void Link::drop_output() {
+  output_.clear();
+  tail_.clear();
+  window_.end_line();
+}
+
+void Link::put(std::string_view bytes, double t) {
   patience_t_ = silent_since_t_ = t;
   question_due_ = false;
-  recorder_.sent(stamp_.now_s(), shown);
   output_ += bytes;
   wire_free_t_ = std::max(wire_free_t_, t) + static_cast<double>(bytes.size()) * byte_s_;
-  ++lines_sent_;
   bytes_sent_ += bytes.size();
+}
+
+void Link::write(std::string_view bytes, std::string_view shown, double t) {
+  if (window_.bytes_in_flight() <= static_cast<int>(bytes.size())) progress_t_ = t;  // nothing else was out
+  recorder_.sent(stamp_.now_s(), shown);
+  put(bytes, t);
+  ++lines_sent_;
+}
+
+void Link::let_out(std::size_t bytes, double t) {
+  if (bytes == 0) return;
+  put(std::string_view(tail_).substr(0, bytes), t);
+  tail_.erase(0, bytes);
+  if (tail_.empty() && !outstanding_.empty() && outstanding_.back().number + 1 == window_.next_number())
+    outstanding_.back().gone_t = wire_free_t_;
+}
+
+// Beyond the limit, where something must follow.
+void Link::end_line(double t) {
+  window_.end_line();
+  let_out(tail_.size(), t);
+}
+
+// What is out of it is refused for want of a checksum, or empty after a flush, but never joined to another.
+void Link::break_line() {
+  if (tail_.empty()) return;
+  tail_.clear();
+  window_.end_line();
+  output_ += '\n';
 }
 
 void Link::send(std::string_view payload, Tag tag, double t) {
@@ -152,12 +191,17 @@ void Link::send(std::string_view payload, Tag tag, double t) {
   outstanding_.push_back({number, tag});
   if (tag.is_long) long_number_ = number, oks_past_long_ = 0;
   if (payload == kQuestion) ++questions_open_;
-  const std::string& bytes = window_.send(payload);
-  write(bytes, window_.text(), t);
-  outstanding_.back().gone_t = wire_free_t_;
+  const std::string_view bytes = window_.send(payload);
+  tail_ = bytes.substr(bytes.size() - static_cast<std::size_t>(window_.withheld()));
+  write(bytes.substr(0, bytes.size() - tail_.size()), window_.text(), t);
+  outstanding_.back().gone_t = tail_.empty() ? wire_free_t_ : kNever;
 }
 
 void Link::send_raw(std::string_view text, bool answered, double t) {
+  if (text.starts_with('\n'))
+    break_line();
+  else
+    end_line(t);
   if (answered) window_.sent_unnumbered();
   // Plain text: the firmware's emergency parser looks at the bytes before they are unpacked.
   if (packed_once_) output_ += kPackingOff;
@@ -167,6 +211,7 @@ void Link::send_raw(std::string_view text, bool answered, double t) {
 }
 
 void Link::pump(double t) {
+  if (!tail_.empty()) let_out(static_cast<std::size_t>(window_.let_out()), t);
   while (const auto bytes = window_.resend()) write(*bytes, window_.text(), t);
 }
 
@@ -196,7 +241,10 @@ void Link::on_reply(const Reply& reply, double t) {
     doubt_ = doubt_ || (std::holds_alternative<Other>(reply) && window_.waiting());
     window_.on_other_line();
   }
-  if (window_.draining() && !was_draining) stop_packing();
+  if (window_.draining() && !was_draining) {
+    break_line();
+    stop_packing();
+  }
 }
 
 void Link::note_ok(bool temperatures, std::uint64_t lost, double t) {
@@ -246,14 +294,18 @@ void Link::ask(double t) {
   }
   doubt_ = false;
   asked_t_ = t;
+  end_line(t);
   send(kQuestion, {}, t);
 }
 
 std::optional<Tag> Link::take_acknowledged() {
   if (outstanding_.empty() || outstanding_.front().number > window_.acknowledged()) return {};
   const Tag tag = outstanding_.front().tag;
-  if (received_t_ + kClocksAgree_s < outstanding_.front().gone_t) wire_is_faster_ = true;
-  note_ok_time(outstanding_.front());
+  const Outstanding& line = outstanding_.front();
+  if (std::isfinite(line.gone_t)) {
+    if (received_t_ + kClocksAgree_s < line.gone_t) wire_is_faster_ = true;
+    note_ok_time(line);
+  }
   ++quiet_lines_;
   outstanding_.pop_front();
   return tag;

@@ -68,11 +68,17 @@ class Link {
   void note_rested(double until, double t) noexcept;
   /// The answer to the first line came, whatever became of its ok.
   void first_line_answered() noexcept { window_.on_first_line_taken(); }
+  /// Whether moves may go in pieces, so that the printer's receive buffer is always full.
+  void set_piecewise(bool on) noexcept { window_.set_piecewise(on); }
   bool may_send(std::string_view payload) const { return window_.may_send(payload); }
+  bool may_begin(std::string_view payload) const { return window_.may_begin(payload); }
   void send(std::string_view payload, Tag tag, double t);
-  /// Without a number. `answered`: an ok comes back for it.
+  /// Without a number. `answered`: an ok comes back for it. A line begun before is sent to its end, or ended
+  /// where it is by a newline that `text` begins with.
   void send_raw(std::string_view text, bool answered, double t);
-  /// Sends what was asked for again, as far as it may go.
+  /// What was to be written is not: the port is closed, or all is over.
+  void drop_output();
+  /// Sends the end of a line begun and what was asked for again, as far as they may go.
   void pump(double t);
 
   void on_reply(const Reply& reply, double t);
@@ -114,9 +120,13 @@ class Link {
   struct Outstanding {
     std::uint32_t number = 0;
     Tag tag;
-    double gone_t = 0;  ///< when its last byte has gone, at the wire's pace
+    double gone_t = 0;  ///< when its last byte has gone, at the wire's pace; infinite before that is written
   };
+  void put(std::string_view bytes, double t);
   void write(std::string_view bytes, std::string_view shown, double t);
+  void let_out(std::size_t bytes, double t);
+  void end_line(double t);
+  void break_line();
   void stop_packing();
   bool long_outstanding() const noexcept;
   bool may_be_at_length() const noexcept { return long_number_ > 0; }
@@ -133,6 +143,7 @@ class Link {
   const Clock& stamp_;
   FlightRecorder& recorder_;
   std::string output_;
+  std::string tail_;  ///< of the last line, what may not go yet
   std::deque<Outstanding> outstanding_;
   std::uint32_t long_number_ = 0;  ///< the last long line, until it is surely done; its ok may be another's
   int oks_past_long_ = 0;

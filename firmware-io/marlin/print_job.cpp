@@ -60,7 +60,8 @@ PrintJob::Step PrintJob::feed_line(Link& link, double t) {
     pause(false, reason);
     return Step::wait;
   }
-  if (!link.may_send(text) || (is_heating_wait(text) && !link.all_acknowledged())) return Step::wait;
+  const bool may_go = text.starts_with('G') && !is_long(text) ? link.may_begin(text) : link.may_send(text);
+  if (!may_go || (is_heating_wait(text) && !link.all_acknowledged())) return Step::wait;
   const Tag tag{Tag::Kind::file,       pending_->index, pending_position_,
                 is_heating_wait(text), is_long(text),   holds_back(text)};
   link.send(text, tag, t);

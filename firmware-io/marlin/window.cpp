@@ -30,6 +30,9 @@ constexpr std::uint32_t kDeepestRequest = 64;
 // turn any number into the first; hardly to two in a row.
 constexpr int kSignsOfRestart = 2;
 
+// A line is not begun for less.
+constexpr int kShortestPiece = 4;
+
 // Of the lines in flight so many have left the receive buffer once all have arrived: BUFSIZE is 4, less what
 // the panel may have put into the queue.
 constexpr int kSurelyQueued = 2;
@@ -55,7 +58,7 @@ void Window::restart(std::uint32_t last) {
   in_flight_.clear();
   first_ = first_kept_ = cursor_ = next_ = last + 1;
   acknowledged_ = last;
-  bytes_in_flight_ = 0;
+  bytes_in_flight_ = withheld_ = 0;
   limit_ = threshold_ = ceiling_ = options_.max_bytes;
   creep_oks_ = kCreepFastest_oks;
   oks_ = early_requests_ = queue_places_ = 0;
@@ -71,7 +74,7 @@ void Window::restart(std::uint32_t last) {
 std::size_t Window::framed_bytes(std::string_view payload) const { return encode(next_, payload).size(); }
 
 bool Window::has_room(std::size_t bytes) const noexcept {
-  if (draining_ || health_ != Health::good) return false;
+  if (draining_ || withheld_ > 0 || health_ != Health::good) return false;
   if (grant_ || question_ || bytes_in_flight_ == 0) return true;
   return bytes_in_flight_ + static_cast<int>(bytes) <= limit_;
 }
@@ -91,29 +94,51 @@ const std::string& Window::encode(std::uint32_t number, std::string_view payload
 }
 
 bool Window::may_send(std::string_view payload) const {
-  return !resending() && has_room(framed_bytes(payload));
+  return !resending() && withheld_ == 0 && has_room(framed_bytes(payload));
+}
+
+bool Window::may_begin(std::string_view payload) const {
+  if (may_send(payload)) return true;
+  return piecewise_ && !packing_ && withheld_ == 0 && !draining_ && !resending() && !throttled() &&
+         health_ == Health::good && bytes_in_flight_ + kShortestPiece <= limit_;
 }
 
 void Window::note_sent(std::uint32_t number, std::size_t bytes) {
   in_flight_.push_back({number, static_cast<int>(bytes)});
   bytes_in_flight_ += static_cast<int>(bytes);
   question_ = answered_ = false;
-  if (grant_) {
-    grant_ = false;
-    probing_ = true;
-    probe_answered_ = false;
-  }
+  if (grant_) use_grant();
+}
+
+void Window::use_grant() noexcept {
+  grant_ = false;
+  probing_ = true;
+  probe_answered_ = false;
 }
 
 const std::string& Window::send(std::string_view payload) {
   const std::string& framed = encode(next_, payload);
-  assert(!resending() && has_room(framed.size()) && payload.size() <= kMaxPayload);
+  assert(!resending() && payload.size() <= kMaxPayload);
+  const bool whole = has_room(framed.size());
+  assert(whole || (piecewise_ && bytes_in_flight_ < limit_));
   slot(next_) = payload;
   note_sent(next_, framed.size());
+  if (!whole) withheld_ = bytes_in_flight_ - limit_;
   cursor_ = ++next_;
   if (next_ - first_kept_ > history_.size())
     first_kept_ = next_ - static_cast<std::uint32_t>(history_.size());
   return framed;
+}
+
+int Window::let_out() {
+  const bool alone = in_flight_.size() <= 1;
+  int out = std::clamp(limit_ - (bytes_in_flight_ - withheld_), 0, withheld_);
+  if (out < withheld_ && (alone || grant_)) {
+    out = withheld_;
+    if (!alone) use_grant();
+  }
+  withheld_ -= out;
+  return out;
 }
 
 std::optional<std::string> Window::resend() {
@@ -261,7 +286,7 @@ void Window::rewind_to(std::uint32_t line) {
   std::erase_if(in_flight_,
                 [&](const Flight& flight) { return flight.number == 0 || flight.number >= line; });
   for (Flight& flight : in_flight_) flight.bytes = 0;  // taken, hence no longer in the ring
-  bytes_in_flight_ = 0;
+  bytes_in_flight_ = withheld_ = 0;
   cursor_ = line;
 }
 

@@ -57,8 +57,19 @@ class Window {
 
   /// True when a new line of this payload may go out now.
   bool may_send(std::string_view payload) const;
-  /// Numbers, keeps and frames a new line; may_send() must hold. Stands until the next call of anything here.
+  /// True when at least its beginning may: in pieces the limit is always used to the last byte.
+  bool may_begin(std::string_view payload) const;
+  /// Numbers, keeps and frames a new line; may_begin() must hold, and may_send() where it is to go whole.
+  /// Stands until the next call of anything here.
   const std::string& send(std::string_view payload);
+  /// So many bytes at the end of the last line are not out. Nothing else may go before them.
+  int withheld() const noexcept { return withheld_; }
+  /// So many of them may go now, and count as out.
+  int let_out();
+  /// They go whatever the limit says, or never: then a newline must end what is out of the line.
+  void end_line() noexcept { withheld_ = 0; }
+  /// Whether moves may be begun where they don't fit: for firmware that refuses what is cut off.
+  void set_piecewise(bool on) noexcept { piecewise_ = on; }
   /// That line, or the one of the last resend(), as a firmware reads it, whether packed or not.
   const std::string& text() const noexcept { return packing_ ? unpacked_ : framed_; }
   /// From now on moves go without blanks, as far as lines are not packed.
@@ -106,7 +117,7 @@ class Window {
   bool draining() const noexcept { return draining_; }
   bool resending() const noexcept { return cursor_ < next_; }
   /// Nothing in flight and nothing to send again.
-  bool idle() const noexcept { return in_flight_.empty() && !resending() && !draining_; }
+  bool idle() const noexcept { return in_flight_.empty() && withheld_ == 0 && !resending() && !draining_; }
   bool waiting() const noexcept { return !in_flight_.empty(); }
   /// A stall was met by permission for one line which nobody has used yet.
   bool wants_probe() const noexcept { return grant_; }
@@ -130,6 +141,7 @@ class Window {
   const std::string& kept(std::uint32_t number) const { return history_[number % history_.size()]; }
   int limit_bytes() const noexcept { return limit_; }
   int ceiling_bytes() const noexcept { return ceiling_; }
+  /// What is withheld of them included.
   int bytes_in_flight() const noexcept { return bytes_in_flight_; }
   std::uint64_t resend_requests() const noexcept { return resend_requests_; }
   /// Requests for a line that had been acknowledged: a sign of a line run without its number.
@@ -153,6 +165,7 @@ class Window {
   bool is_question(const Flight& flight) const { return flight.number != 0 && kept(flight.number) == "M105"; }
   bool wants_the_beginning(std::uint32_t line);
   void note_sent(std::uint32_t number, std::size_t bytes);
+  void use_grant() noexcept;
   void acknowledge_front();
   void acknowledge_all();
   void rewind_to(std::uint32_t line);
@@ -178,6 +191,7 @@ class Window {
   std::uint32_t cursor_ = 1;
   std::uint32_t acknowledged_ = 0;
   int bytes_in_flight_ = 0;
+  int withheld_ = 0;
   int limit_;
   int threshold_;           ///< up to here the limit doubles, beyond it creeps
   int ceiling_;             ///< the limit's own limit
@@ -187,6 +201,7 @@ class Window {
   int queue_places_ = 0;    ///< the most ever reported free
   bool counts_trusted_ = true;
   bool dense_ = false;
+  bool piecewise_ = false;
   bool packing_ = false;
   bool draining_ = false;
   bool grant_ = false;

@@ -131,12 +131,12 @@ class DriverBench {
   bool write() {
     std::string output = std::exchange(driver.output(), {});
     if (output.empty()) return false;
-    for (std::size_t start = 0; start < output.size();) {
-      const std::size_t end = output.find('\n', start) + 1;
-      std::string line = output.substr(start, end - start);
-      start = end;
-      raw.push_back(line);
-      firmware.receive(to_printer ? to_printer(line) : line);
+    if (!to_printer) firmware.receive(output);
+    for (const char c : output) {
+      begun_ += c;
+      if (c != '\n') continue;
+      raw.push_back(std::exchange(begun_, {}));
+      if (to_printer) firmware.receive(to_printer(raw.back()));
     }
     return true;
   }
@@ -167,6 +167,7 @@ class DriverBench {
 
   void advance(double to) { t = clock.now = to; }
 
+  std::string begun_;  ///< a line of which the end is still to come
   bool running_ = false;
   double finish_t_ = 0;
   double busy_t_ = 0;
