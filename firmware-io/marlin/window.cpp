@@ -57,6 +57,7 @@ Window::Window(WindowOptions options)
 void Window::restart(std::uint32_t last) {
   in_flight_.clear();
   first_ = first_kept_ = cursor_ = next_ = last + 1;
+  cut_off_ = 0;
   acknowledged_ = last;
   bytes_in_flight_ = withheld_ = 0;
   limit_ = threshold_ = ceiling_ = options_.max_bytes;
@@ -105,6 +106,7 @@ bool Window::may_begin(std::string_view payload) const {
 
 void Window::note_sent(std::uint32_t number, std::size_t bytes) {
   in_flight_.push_back({number, static_cast<int>(bytes)});
+  if (number == cut_off_) cut_off_ = 0;
   bytes_in_flight_ += static_cast<int>(bytes);
   question_ = answered_ = false;
   if (grant_) use_grant();
@@ -269,7 +271,7 @@ void Window::on_ok(std::optional<std::uint32_t> line, std::optional<int> queue_f
     return;
   }
   ++disturbances_;
-  if (draining_ && resent_was_in_flight_ && resending()) {
+  if (draining_ && resent_was_in_flight_ && resending() && cursor_ != cut_off_) {
     // Nothing else is owed: the line had been taken after all, and would now be met with silence. If this
     // guess is wrong the firmware asks again.
     resent_was_in_flight_ = false;
@@ -279,6 +281,8 @@ void Window::on_ok(std::optional<std::uint32_t> line, std::optional<int> queue_f
 }
 
 void Window::rewind_to(std::uint32_t line) {
+  if (withheld_ > 0) cut_off_ = next_ - 1;
+  if (cut_off_ != 0) line = std::min(line, cut_off_);  // whatever is asked for: nobody can have taken it
   const bool again = rounds_ > 0 && line == round_line_ &&
                      std::any_of(in_flight_.begin(), in_flight_.end(),
                                  [&](const Flight& flight) { return flight.number == line; });

@@ -190,6 +190,7 @@ class Window {
   std::uint32_t next_ = 1;
   std::uint32_t cursor_ = 1;
   std::uint32_t acknowledged_ = 0;
+  std::uint32_t cut_off_ = 0;  ///< the last line, begun and broken off and not yet sent again; 0: none
   int bytes_in_flight_ = 0;
   int withheld_ = 0;
   int limit_;
