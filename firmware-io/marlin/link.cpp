@@ -22,9 +22,9 @@ constexpr int kWaitsThatMeanLoss = 2;
 constexpr std::uint64_t kQuietLines = 2000;
 
 // Before the wire runs dry the thread wants to be awake and to have written, this much earlier than all but
-// one in fifty of its awakenings are late. At the most so much of what the window holds: what must be sent
+// one in ten of its awakenings are late. At the most so much of what the window holds: what must be sent
 // earlier than that may as well be sent at each ok.
-constexpr double kLeastLead_s = 0.00012;
+constexpr double kLeastLead_s = 0.00006;
 constexpr double kMostLead = 0.3;
 // How the estimate of an ok's time moves: up when it was not there on awaking, down by as much at the most
 // when it came earlier. A rest ends so much behind it, where there is room.
@@ -36,9 +36,9 @@ constexpr double kBehindOk_s = 1e-4;
 constexpr double kAtOnce_s = 1e-4;
 // "\nN0 M110 N0*125\n", whose answer tells the round trip.
 constexpr int kGreetingBytes = 16;
-// How the estimate of that lateness moves: up with the one, down with each of the fifty.
+// How the estimate of that lateness moves: up with the one, down with each of the ten.
 constexpr double kLatenessUp_s = 3e-5;
-constexpr double kLatenessDown_s = kLatenessUp_s / 50;
+constexpr double kLatenessDown_s = kLatenessUp_s / 10;
 constexpr double kMostLateness_s = 0.01;
 
 // A longer answer to the greeting tells of a busy printer, not of the wire.
@@ -353,7 +353,7 @@ void Link::elapsed(double t) {
   }
   if (t >= progress_t_ + stall_after_s()) {
     window_.on_stall(!may_be_at_length());
-    if (window_.stalls() > 1) stop_packing();
+    if (window_.stalls() > 1 && tail_.empty()) stop_packing();
     progress_t_ = t;
   }
 }

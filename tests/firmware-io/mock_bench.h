@@ -77,6 +77,7 @@ class MockBench {
   std::function<std::string(std::string)> to_host;     ///< damages what the printer said
   std::function<void(const std::string&)> on_input;    ///< what it reads
   double read_every_s = 0;                             ///< a host too busy to read more often
+  bool rests = false;  ///< what comes is left lying as long as the driver says
 
  private:
   static constexpr double kStart = 1000;
@@ -110,8 +111,11 @@ class MockBench {
     double next = std::clamp(std::min(printer.next_event(), driver.deadline() - kStart), printer.now(),
                              printer.now() + 1);
     if (read_every_s > 0) next = std::max(next, printer.now() + read_every_s);
+    const double rest_until = rests && !driver.closing() ? driver.unhurried_until() : 0;
+    if (rest_until > t()) next = std::max(next, rest_until - kStart);
     printer.advance_to(next);
     clock.now = std::max(t(), next + kStart);
+    if (rest_until > 0) driver.rested(rest_until, t());
     std::string said = printer.take_output();
     if (to_host && !said.empty()) said = to_host(std::move(said));
     if (const auto seconds = printer.take_unplug()) {

@@ -24,3 +24,36 @@ TEST_CASE("oks are left lying while the wire is busy, and not where there is no 
   CHECK(bench.count<PrintFinished>() == 1);
   CHECK((rests > 100) == wire);
 }
+
+TEST_CASE("one awakening serves two lines and more, and the wire never runs dry for it", "[pace]") {
+  const double baud = GENERATE(115200.0, 250000.0);
+  marlin::DriverOptions options;
+  options.byte_s = 10 / baud;
+  MockBench bench(mock::make_mock().instant_moves().cold_extrusion().baud(baud).round_trip(0.001).build(),
+                  options);
+  REQUIRE(bench.run_until([&] { return bench.count<LimitsKnown>() == 1; }));
+  std::vector<std::string> file;
+  for (int i = 0; i < 1500; ++i) {
+    const std::string digits = std::to_string(100 + i % 800);
+    file.push_back("G1 X1" + digits + " Y20." + digits.substr(0, static_cast<std::size_t>(i % 4)) + " E.0" +
+                   digits);
+  }
+  std::size_t bytes = 0;
+  int reads = 0;
+  bench.on_output = [&](const std::string& out) { bytes += out.size(); };
+  bench.on_input = [&](const std::string&) { ++reads; };
+  bench.rests = true;
+  bench.print(file);
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() >= 400; }));
+  const int lines_before = bench.count<LineDone>();
+  const double begin = bench.t();
+  bytes = 0;
+  reads = 0;
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() >= 1400; }));
+  const double lines = bench.count<LineDone>() - lines_before;
+  CHECK(reads <= (baud > 200000 ? 0.45 : 0.35) * lines);
+  CHECK(static_cast<double>(bytes) * options.byte_s >= 0.99 * (bench.t() - begin));
+  REQUIRE(bench.run_until([&] { return bench.over(); }));
+  CHECK(bench.count<PrintFinished>() == 1);
+  CHECK(bench.printer.statistics().bytes_dropped == 0);
+}

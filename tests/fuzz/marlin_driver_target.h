@@ -72,9 +72,7 @@ class SentLaws {
     if (payload == "M112") return;  // numbered: behind the one without, and the last
     require(number <= next_, "a number left out");
     if (number < next_) {
-      // Marlin is asked again from the beginning after each greeting.
-      if (payload == "M115") lines_.clear(), cut_.clear(), next_ = 1;
-      if (number < next_) return require(lines_.at(number) == payload, "a number given to two lines");
+      return require(lines_.at(number) == payload, "a number given to two lines");
     }
     require(line.starts_with(std::exchange(cut_, {})), "a line cut off and never sent again");
     lines_[next_++] = payload;
