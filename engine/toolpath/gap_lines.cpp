@@ -2,6 +2,7 @@
 
 #include "engine/geom/polygon_ops.h"
 #include "engine/toolpath/bead.h"
+#include "engine/toolpath/border.h"
 #include "engine/toolpath/fill_paths.h"
 #include "engine/toolpath/gap_fill.h"
 
@@ -9,6 +10,8 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numbers>
+#include <optional>
 #include <utility>
 
 namespace voidpath::toolpath {
@@ -35,24 +38,25 @@ constexpr double kMinStepMm = 0.05;
 constexpr double kEndSlackMm = 0.02;
 /// What is left of a gap line that both ends are taken from, mm.
 constexpr double kLeastLengthMm = 0.1;
+/// Beads around it close a spot narrower than this by their squeeze, mm.
+constexpr double kLeastSpotMm = 0.25;
+/// The middle of a spot is looked for at this many places, this often, in x and in y...
+constexpr geom::Coord kDotLooks = 7;
+constexpr int kDotRounds = 3;
+/// ...and its length in this many directions, by at least and at most this many half steps.
+constexpr int kDotDirections = 12;
+constexpr int kLeastDotSteps = 2;
+constexpr int kDotSteps = 80;
 
-/// From a point to the area's border, mm.
-double border_mm(const geom::Region& area, const geom::Point& p) {
-  double best = std::numeric_limits<double>::max();
-  const auto look = [&](const geom::Ring& ring) {
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-      const geom::Point &a = ring[i], &b = ring[(i + 1) % ring.size()];
-      const auto dx = static_cast<double>(b.x - a.x), dy = static_cast<double>(b.y - a.y);
-      const auto px = static_cast<double>(p.x - a.x), py = static_cast<double>(p.y - a.y);
-      const double len2 = dx * dx + dy * dy;
-      const double t = len2 > 0 ? std::clamp((px * dx + py * dy) / len2, 0.0, 1.0) : 0.0;
-      const double ex = px - t * dx, ey = py - t * dy;
-      best = std::min(best, ex * ex + ey * ey);
-    }
-  };
-  look(area.outer);
-  for (const auto& hole : area.holes) look(hole);
-  return std::sqrt(best) / geom::kNmPerMm;
+/// The round end of a line this wide, mm, has room.
+bool has_room(const Border& border, const geom::Point& p, double width_mm) {
+  const double half = 0.5 * width_mm - kEndSlackMm;
+  return half <= 0 || border.distance_mm(p, half) >= half;
+}
+
+/// As much of the width as there is room for, mm.
+double room_mm(const Border& border, const geom::Point& p, double width_mm) {
+  return std::min(width_mm, 2 * (border.distance_mm(p, 0.5 * width_mm) + kEndSlackMm));
 }
 
 /// In steps so short that the width changes but little along each.
@@ -77,13 +81,13 @@ CentreLine refined(const CentreLine& line, double most_change_mm) {
 
 /// A line whose end cannot be as wide as its middle draws back from the gap's end until it has room: from the
 /// front.
-void draw_back(CentreLine& line, const geom::Region& gap, double least_mm) {
+void draw_back(CentreLine& line, const Border& border, double least_mm) {
   const double step = kMinStepMm * geom::kNmPerMm;
   double whole = geom::length(line.points);
   const double least = least_mm * geom::kNmPerMm;
   while (line.points.size() > 1 && whole > least) {
     geom::Point& p = line.points.front();
-    if (border_mm(gap, p) >= 0.5 * line.width_mm.front() - kEndSlackMm) return;
+    if (has_room(border, p, line.width_mm.front())) return;
     const double length = geom::distance(p, line.points[1]);
     const double cut = std::min(step, whole - least);
     whole -= std::min(cut, length);
@@ -100,16 +104,21 @@ void draw_back(CentreLine& line, const geom::Region& gap, double least_mm) {
   }
 }
 
-/// As wide as the gap has room for at the ends of what is left.
-void make_room(CentreLine& line, const geom::Region& gap) {
-  if (line.closed || line.points.size() < 2) return;
-  for (int end = 0; end < 2; ++end) {
-    draw_back(line, gap, kLeastLengthMm);
-    std::reverse(line.points.begin(), line.points.end());
-    std::reverse(line.width_mm.begin(), line.width_mm.end());
+/// As wide as the gap has room for at the ends of what is left, and `all` along where no beads flank it: the
+/// lengths of chords tell too much where walls meet.
+void make_room(CentreLine& line, const Border& border, bool all) {
+  if (!line.closed && line.points.size() > 1) {
+    for (int end = 0; end < 2; ++end) {
+      draw_back(line, border, kLeastLengthMm);
+      std::reverse(line.points.begin(), line.points.end());
+      std::reverse(line.width_mm.begin(), line.width_mm.end());
+    }
   }
-  for (const std::size_t i : {std::size_t{0}, line.points.size() - 1})
-    line.width_mm[i] = std::min(line.width_mm[i], 2 * (border_mm(gap, line.points[i]) + kEndSlackMm));
+  const std::size_t last = line.points.size() - 1;
+  for (std::size_t i = 0; i <= last; ++i)
+    if (all || (!line.closed && (i == 0 || i == last)))
+      line.width_mm[i] = room_mm(border, line.points[i], line.width_mm[i]);
+  if (line.closed) return;
   // A line shorter than it is wide is all end.
   const double least = std::min(line.width_mm.front(), line.width_mm.back());
   if (geom::length(line.points) < least * geom::kNmPerMm)
@@ -157,33 +166,83 @@ bool is_blob(const CentreLine& line) {
 
 void add_lines_of(std::vector<Path>& out, const geom::Region& gap, const BeadSize& bead, double tolerance_mm,
                   bool alone) {
-  for (const auto& centre : centre_lines(gap)) {
+  const std::vector<CentreLine> centres = centre_lines(gap);
+  if (centres.empty()) return;
+  const Border border({gap});
+  for (const auto& centre : centres) {
     if (is_blob(centre)) continue;
     CentreLine line = refined(centre, kWidthChange * bead.width_mm);
-    make_room(line, gap);
+    make_room(line, border, alone);
     add_gap_line(out, line, bead, tolerance_mm, alone);
   }
 }
 
-/// As much material as the area asks for, in its middle.
-void add_dot(std::vector<Path>& out, const geom::Region& area, const BeadSize& bead) {
+/// The place furthest from the border: the best of a few in the area's box, then of a few around that one.
+std::optional<geom::Point> deepest(const geom::Region& area, const Border& border) {
   const auto box = geom::bounds(area.outer);
-  if (!box) return;
-  const geom::Point middle{(box->min.x + box->max.x) / 2, (box->min.y + box->max.y) / 2};
-  if (!geom::contains(area, middle)) return;
-  const double side = std::sqrt(geom::to_mm2(geom::area(area)));
-  const double spacing = std::clamp(side, kMinGapWidth * bead.width_mm, kMaxGapWidth * bead.width_mm);
-  const geom::Coord half = from_mm(0.5 * std::max(kLeastLengthMm, 0.5 * side));
-  out.push_back(make_path(Role::gap_fill, {{middle.x - half, middle.y}, {middle.x + half, middle.y}}, false,
-                          width_of_spacing_mm(spacing, bead.height_mm), bead.height_mm,
-                          spacing * bead.height_mm));
+  if (!box) return std::nullopt;
+  std::optional<geom::Point> best;
+  double most = 0;
+  const auto look = [&](const geom::Point& p) {
+    if (!geom::contains(area, p)) return;
+    const double d = border.distance_mm(p, std::numeric_limits<double>::max());
+    if (d > most) most = d, best = p;
+  };
+  geom::Point low = box->min, high = box->max;
+  for (int round = 0; round < kDotRounds; ++round) {
+    const geom::Coord dx = high.x - low.x, dy = high.y - low.y;
+    for (geom::Coord i = 0; i < kDotLooks; ++i)
+      for (geom::Coord j = 0; j < kDotLooks; ++j)
+        look({low.x + dx * (2 * i + 1) / (2 * kDotLooks), low.y + dy * (2 * j + 1) / (2 * kDotLooks)});
+    if (!best) return best;
+    low = {best->x - dx / kDotLooks, best->y - dy / kDotLooks};
+    high = {best->x + dx / kDotLooks, best->y + dy / kDotLooks};
+  }
+  return best;
+}
+
+/// The widest round spot that has room, drawn out as long as it has; none that is narrower than `least_mm`.
+void add_dot(std::vector<Path>& out, const geom::Region& area, const BeadSize& bead, double least_mm) {
+  const Border border({area});
+  const auto middle = deepest(area, border);
+  if (!middle) return;
+  const double most = kMaxGapWidth * bead.width_mm;
+  const double room = room_mm(border, *middle, most);
+  if (room < least_mm) return;
+  const double width = std::max(room, width_of_spacing_mm(kMinGapWidth * bead.width_mm, bead.height_mm));
+  geom::Polyline line;
+  double longest = -1;
+  for (int k = 0; k < kDotDirections; ++k) {
+    const double angle = std::numbers::pi * k / kDotDirections;
+    const auto at = [&](int steps) {
+      const double d = 0.5 * kMinStepMm * steps * geom::kNmPerMm;
+      return geom::Point{middle->x + std::llround(d * std::cos(angle)),
+                         middle->y + std::llround(d * std::sin(angle))};
+    };
+    const auto reach = [&](int way) {
+      int steps = 0;
+      while (steps < kDotSteps && has_room(border, at(way * (steps + 1)), width) &&
+             geom::contains(area, at(way * (steps + 1))))
+        ++steps;
+      return steps;
+    };
+    const int ahead = std::max(reach(1), kLeastDotSteps), behind = std::max(reach(-1), kLeastDotSteps);
+    if (ahead + behind > longest) longest = ahead + behind, line = {at(-behind), at(ahead)};
+  }
+  const double spacing = bead_spacing_mm(width, bead.height_mm);
+  out.push_back(
+      make_path(Role::gap_fill, std::move(line), false, width, bead.height_mm, spacing * bead.height_mm));
 }
 
 }  // namespace
 
 void add_gap_lines(std::vector<Path>& out, const geom::Regions& gaps, const BeadSize& bead,
                    double tolerance_mm) {
-  for (const auto& gap : gaps) add_lines_of(out, gap, bead, tolerance_mm, false);
+  for (const auto& gap : gaps) {
+    const std::size_t before = out.size();
+    add_lines_of(out, gap, bead, tolerance_mm, false);
+    if (out.size() == before) add_dot(out, gap, bead, kLeastSpotMm);
+  }
 }
 
 void add_thin_lines(std::vector<Path>& out, const geom::Regions& areas, const BeadSize& bead,
@@ -191,7 +250,7 @@ void add_thin_lines(std::vector<Path>& out, const geom::Regions& areas, const Be
   for (const auto& area : areas) {
     const std::size_t before = out.size();
     add_lines_of(out, area, bead, tolerance_mm, true);
-    if (out.size() == before) add_dot(out, area, bead);
+    if (out.size() == before) add_dot(out, area, bead, 0);
   }
 }
 

@@ -2,9 +2,12 @@
 
 #include "engine/geom/polygon_ops.h"
 #include "engine/toolpath/bead.h"
+#include "engine/toolpath/border.h"
 #include "engine/toolpath/region_ops.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <utility>
 
 namespace voidpath::toolpath {
@@ -26,13 +29,39 @@ constexpr geom::Coord kOffsetSlack = 1000;
 constexpr double kMaxGapSpacings = 1.8;
 /// Walls thinner than this are not there, mm.
 constexpr double kLeastWallMm = 0.04;
+/// Corners that turn by less than this cosine tells stand out by next to nothing.
+constexpr double kSharpCosine = 0.8;
+/// Corners may stand out by this, mm: a nozzle is not more precise.
+constexpr double kStandsOutMm = 0.02;
 /// Gap areas below this are noise of the offsetting, mm².
 constexpr double kMinGapAreaMm2 = 0.02;
+
+/// Whether a corner stands out further than by_mm inside the regions: where a short edge has vanished between
+/// two others, growing back makes a sharper corner of them than there was.
+bool stands_out(const Regions& grown, const Regions& regions, double by_mm) {
+  std::optional<Border> border;  // made when first wanted
+  const auto looks_at = [](const geom::Point& p, const geom::Point& q, const geom::Point& r) {
+    const auto ux = static_cast<double>(q.x - p.x), uy = static_cast<double>(q.y - p.y);
+    const auto vx = static_cast<double>(r.x - q.x), vy = static_cast<double>(r.y - q.y);
+    return ux * vx + uy * vy < kSharpCosine * std::sqrt((ux * ux + uy * uy) * (vx * vx + vy * vy)) &&
+           ux * vy - uy * vx > 0;
+  };
+  for (const auto& region : grown)
+    for (const auto& ring : geom::rings_of({region}))
+      for (std::size_t i = 0, n = ring.size(); i < n; ++i) {
+        if (!looks_at(ring[(i + n - 1) % n], ring[i], ring[(i + 1) % n])) continue;
+        if (!border) border.emplace(regions);
+        if (border->distance_mm(ring[i], by_mm) < by_mm - kStandsOutMm) return true;
+      }
+  return false;
+}
 
 /// Shrinks, and drops what is too thin for two centre lines `min_spacing` apart.
 Regions inset(const Regions& regions, double by_mm, double min_spacing_mm) {
   const geom::Coord back = std::max<geom::Coord>(from_mm(0.5 * min_spacing_mm) - kOffsetSlack, 0);
-  return geom::offset(geom::offset(regions, -(from_mm(by_mm) + back)), back);
+  Regions out = geom::offset(geom::offset(regions, -(from_mm(by_mm) + back)), back);
+  if (stands_out(out, regions, by_mm)) out = quick_intersect(out, geom::offset(regions, -from_mm(by_mm)));
+  return out;
 }
 
 /// What `beads` leave of `area`, without threads too thin to print.
