@@ -32,4 +32,19 @@ double Border::distance_mm(const geom::Point& p, double limit_mm) const {
   return best / geom::kNmPerMm;
 }
 
+geom::Point Border::nearest(const geom::Point& p, double limit_mm) const {
+  double best = limit_mm * geom::kNmPerMm;
+  geom::Point out = p;
+  if (index_) {
+    const LineIndex::Hit hit = index_->nearest(p, best);
+    return hit.distance <= best ? hit.at : out;
+  }
+  for (const geom::Edge& e : edges_) {
+    const geom::Point q = nearest_on_line(p, e.a, e.b);
+    const double d = geom::distance(p, q);
+    if (d <= best) best = d, out = q;
+  }
+  return out;
+}
+
 }  // namespace voidpath::toolpath

@@ -16,6 +16,8 @@ class Border {
 
   /// From a point, mm; some larger number where that is more than `limit_mm`.
   double distance_mm(const geom::Point& p, double limit_mm) const;
+  /// Its nearest point; p itself where none is within the limit.
+  geom::Point nearest(const geom::Point& p, double limit_mm) const;
 
  private:
   std::vector<geom::Edge> edges_;

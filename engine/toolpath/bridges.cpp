@@ -1,5 +1,7 @@
 #include "engine/geom/area_grid.h"
+#include "engine/geom/polygon_ops.h"
 #include "engine/toolpath/hatch.h"
+#include "engine/toolpath/region_ops.h"
 #include "engine/toolpath/surfaces.h"
 
 #include <algorithm>
@@ -27,6 +29,10 @@ constexpr geom::Coord kLooks = 4;
 constexpr double kMinAnchoredShare = 0.7;
 /// Directions whose anchored shares differ by less are equal; the shorter span wins.
 constexpr double kSameShare = 0.02;
+/// A strand whose middle is beside an edge by this share of a line width still lies on it.
+constexpr double kOnEdge = 0.3;
+/// Ground further from a bridge's area than this many line widths is no business of it.
+constexpr double kNearWidths = 3.0;
 
 struct Judgement {
   double share = 0;    ///< of the length, held at both ends
@@ -80,6 +86,16 @@ Judgement judge(const geom::Region& hanging, const geom::AreaGrid& below, double
 }
 
 }  // namespace
+
+geom::Regions bridge_ground(const geom::Regions& below, const geom::Regions& area, double line_width_mm) {
+  const auto box = geom::bounds(area);
+  if (!box) return {};
+  const geom::Coord near = geom::from_mm(kNearWidths * line_width_mm);
+  const geom::Regions around{
+      {geom::make_rectangle({box->min.x - near, box->min.y - near}, {box->max.x + near, box->max.y + near}),
+       {}}};
+  return geom::offset(quick_intersect(below, around), geom::from_mm(kOnEdge * line_width_mm));
+}
 
 BridgeArea plan_bridge(const geom::Region& hanging, const geom::Regions& below, double reach_mm) {
   BridgeArea out;

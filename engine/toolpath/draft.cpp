@@ -2,18 +2,17 @@
 
 #include "engine/geom/polygon_ops.h"
 #include "engine/toolpath/bead.h"
+#include "engine/toolpath/bridge_lines.h"
 #include "engine/toolpath/concentric_fill.h"
 #include "engine/toolpath/fermat_fill.h"
 #include "engine/toolpath/fill_paths.h"
 #include "engine/toolpath/gap_lines.h"
-#include "engine/toolpath/hatch.h"
 #include "engine/toolpath/region_ops.h"
 #include "engine/toolpath/support_lines.h"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 
 namespace voidpath::toolpath {
 
@@ -23,67 +22,20 @@ using geom::from_mm;
 
 /// Sparse infill is simplified to this, mm: nobody sees it.
 constexpr double kSparseToleranceMm = 0.05;
-/// A bridge's strand that ends in the air is led this far at most to where it can end, mm...
-constexpr double kMaxLeadMm = 4.0;
-/// ...and so far onto it.
-constexpr double kOntoGroundMm = 0.4;
-/// Such a way is looked at in this many places for whether it stays inside.
-constexpr int kLeadLooks = 8;
 
-/// The point of the areas' borders that is nearest; the point itself where there are none.
-geom::Point nearest_on_border(const geom::Regions& areas, const geom::Point& p) {
-  geom::Point out = p;
-  double best = std::numeric_limits<double>::max();
-  for (const auto& ring : geom::rings_of(areas))
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-      const geom::Point &a = ring[i], &b = ring[(i + 1) % ring.size()];
-      const auto dx = static_cast<double>(b.x - a.x), dy = static_cast<double>(b.y - a.y);
-      const double len2 = dx * dx + dy * dy;
-      const double along = static_cast<double>(p.x - a.x) * dx + static_cast<double>(p.y - a.y) * dy;
-      const double t = len2 > 0 ? std::clamp(along / len2, 0.0, 1.0) : 0.0;
-      const geom::Point q{a.x + std::llround(t * dx), a.y + std::llround(t * dy)};
-      const double d = geom::distance(p, q);
-      if (d < best) best = d, out = q;
-    }
-  return out;
-}
-
-/// A strand that would begin in the air beside ground begins on it instead, where the way there is inside.
-void lead_to_ground(geom::Polyline& line, const geom::Regions& ground, const geom::Region& domain) {
-  const geom::Point from = line.front();
-  for (const auto& region : ground)
-    if (geom::contains(region, from)) return;
-  const geom::Point border = nearest_on_border(ground, from);
-  const double way = geom::distance(from, border);
-  if (way <= 0 || way > kMaxLeadMm * geom::kNmPerMm) return;
-  const double beyond = 1 + kOntoGroundMm * geom::kNmPerMm / way;
-  const auto at = [&](double t) {
-    return geom::Point{from.x + std::llround(t * static_cast<double>(border.x - from.x)),
-                       from.y + std::llround(t * static_cast<double>(border.y - from.y))};
-  };
-  for (int k = 1; k <= kLeadLooks; ++k)
-    if (!geom::contains(domain, at(static_cast<double>(k) / kLeadLooks))) return;
-  const geom::Point onto = at(beyond);
-  line.insert(line.begin(), geom::contains(domain, onto) ? onto : border);
-}
+/// A bridge's strand may go into the walls by this much of a line width to find ground.
+constexpr double kIntoWallsWidths = 0.6;
 
 void add_bridge(std::vector<Path>& out, const BridgeArea& bridge, const BeadSize& bead,
                 const PrintSettings& settings) {
   const double strand = settings.machine.nozzle_mm;
   const double flow = settings.slice.bridge_flow;
   const double width = strand * std::sqrt(flow);
-  const geom::Regions ground = quick_subtract(bridge.area, {bridge.hanging});
-  for (const auto& domain : centre_line_area(bridge.area, bead, settings.slice.infill_overlap)) {
-    Hatch h = hatch({domain}, {bridge.angle_rad, strand, true, 3 * strand});
-    for (auto& line : h.lines) {
-      for (int end = 0; end < 2; ++end) {
-        lead_to_ground(line, ground, domain);
-        std::reverse(line.begin(), line.end());
-      }
+  const double into_walls = settings.slice.perimeters > 0 ? kIntoWallsWidths * bead.width_mm : 0;
+  for (const auto& domain : centre_line_area(bridge.area, bead, settings.slice.infill_overlap))
+    for (auto& line : bridge_lines(domain, bridge.ground, bridge.angle_rad, strand, into_walls))
       out.push_back(make_path(Role::bridge_infill, std::move(line), false, width, width,
                               flow * strand_area_mm2(strand)));
-    }
-  }
 }
 
 /// Lines over sparse infill: its gaps are short, so the bead keeps the layer's height.

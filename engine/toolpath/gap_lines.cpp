@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -40,6 +41,8 @@ constexpr double kEndSlackMm = 0.02;
 constexpr double kLeastLengthMm = 0.1;
 /// Beads around it close a spot narrower than this by their squeeze, mm.
 constexpr double kLeastSpotMm = 0.25;
+/// Lines no longer than this many of their widths together may cover less than a spot.
+constexpr double kStubbyWidths = 2.0;
 /// The middle of a spot is looked for at this many places, this often, in x and in y...
 constexpr geom::Coord kDotLooks = 7;
 constexpr int kDotRounds = 3;
@@ -207,7 +210,7 @@ void add_dot(std::vector<Path>& out, const geom::Region& area, const BeadSize& b
   const auto middle = deepest(area, border);
   if (!middle) return;
   const double most = kMaxGapWidth * bead.width_mm;
-  const double room = room_mm(border, *middle, most);
+  const double room = std::min(most, 2 * border.distance_mm(*middle, 0.5 * most));
   if (room < least_mm) return;
   const double width = std::max(room, width_of_spacing_mm(kMinGapWidth * bead.width_mm, bead.height_mm));
   geom::Polyline line;
@@ -234,6 +237,26 @@ void add_dot(std::vector<Path>& out, const geom::Region& area, const BeadSize& b
       make_path(Role::gap_fill, std::move(line), false, width, bead.height_mm, spacing * bead.height_mm));
 }
 
+/// Of the lines from the first on, with one pair of round ends.
+double covered_mm2(const std::vector<Path>& lines, std::size_t first) {
+  double sum = 0, widest = 0;
+  for (std::size_t i = first; i < lines.size(); ++i) {
+    sum += lines[i].width_mm * geom::length(lines[i].points) / geom::kNmPerMm;
+    widest = std::max(widest, lines[i].width_mm);
+  }
+  return sum + std::numbers::pi / 4 * widest * widest;
+}
+
+/// Hardly longer than wide, or nothing at all: a middle line says little about such an area.
+bool is_stubby(const std::vector<Path>& lines, std::size_t first) {
+  double length = 0, widest = 0;
+  for (std::size_t i = first; i < lines.size(); ++i) {
+    length += geom::length(lines[i].points) / geom::kNmPerMm;
+    widest = std::max(widest, lines[i].width_mm);
+  }
+  return length <= kStubbyWidths * widest;
+}
+
 }  // namespace
 
 void add_gap_lines(std::vector<Path>& out, const geom::Regions& gaps, const BeadSize& bead,
@@ -250,7 +273,12 @@ void add_thin_lines(std::vector<Path>& out, const geom::Regions& areas, const Be
   for (const auto& area : areas) {
     const std::size_t before = out.size();
     add_lines_of(out, area, bead, tolerance_mm, true);
-    if (out.size() == before) add_dot(out, area, bead, 0);
+    if (!is_stubby(out, before)) continue;
+    std::vector<Path> dot;
+    add_dot(dot, area, bead, 0);
+    if (covered_mm2(dot, 0) <= covered_mm2(out, before)) continue;
+    out.resize(before);
+    out.insert(out.end(), std::make_move_iterator(dot.begin()), std::make_move_iterator(dot.end()));
   }
 }
 

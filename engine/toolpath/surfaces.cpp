@@ -22,6 +22,8 @@ using Shared = std::shared_ptr<const Regions>;
 constexpr double kMinSurfaceMm = 0.05;
 /// Bridges reach this far onto the material beside them, mm.
 constexpr double kBridgeAnchorMm = 1.2;
+/// Neighbouring bridges take what is between them in this many steps.
+constexpr int kAnchorSteps = 4;
 /// What hangs over air by less than this many widths inside the walls is no bridge: the walls carry it.
 constexpr double kMinBridgeWidths = 1.0;
 /// Sparse areas narrower than this many widths are filled solid.
@@ -229,19 +231,34 @@ class Sorter {
       }
       found.push_back(std::move(bridge));
     }
-    // Neighbours share the material beside them: none takes what another's lines end on.
-    std::vector<Regions> held(found.size());
-    if (found.size() > 1)
-      for (std::size_t k = 0; k < found.size(); ++k)
-        held[k] = swept(found[k].hanging, found[k].angle_rad, kBridgeAnchorMm);
-    for (std::size_t k = 0; k < found.size(); ++k) {
-      Regions& area = found[k].area;
-      area = quick_subtract(anchored({found[k].hanging}, kBridgeAnchorMm, inner), all);
-      for (std::size_t j = k + 1; j < found.size(); ++j)
-        area = quick_subtract(area, quick_subtract(held[j], held[k]));
-      all = quick_unite(all, area);
+    anchor(found, inner);
+    for (BridgeArea& bridge : found) {
+      bridge.ground = bridge_ground(below, bridge.area, width);
+      all = quick_unite(all, bridge.area);
     }
     return all;
+  }
+
+  /// Bridges reach onto the material beside them. Neighbours share it: none takes what another's lines alone
+  /// end on, and what is left goes to the nearest.
+  void anchor(std::vector<BridgeArea>& found, const Regions& inner) const {
+    if (found.size() == 1) found[0].area = anchored({found[0].hanging}, kBridgeAnchorMm, inner);
+    if (found.size() <= 1) return;
+    std::vector<Regions> held(found.size()), room(found.size());
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      held[k] = swept(found[k].hanging, found[k].angle_rad, kBridgeAnchorMm);
+      room[k] = anchored({found[k].hanging}, kBridgeAnchorMm, inner);
+    }
+    for (std::size_t k = 0; k < found.size(); ++k)
+      for (std::size_t j = 0; j < found.size(); ++j)
+        if (j != k) room[k] = quick_subtract(room[k], quick_subtract(held[j], held[k]));
+    for (int step = 1; step <= kAnchorSteps; ++step)
+      for (std::size_t k = 0; k < found.size(); ++k) {
+        Regions next = anchored({found[k].hanging}, kBridgeAnchorMm * step / kAnchorSteps, room[k]);
+        for (std::size_t j = 0; j < found.size(); ++j)
+          if (j != k) next = quick_subtract(next, found[j].area);
+        found[k].area = quick_unite(found[k].area, next);
+      }
   }
 
   void move_small(Regions& sparse, Regions& solid) const {

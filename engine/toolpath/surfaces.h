@@ -14,6 +14,7 @@ namespace voidpath::toolpath {
 struct BridgeArea {
   geom::Regions area;    ///< with its anchors, within the walls
   geom::Region hanging;  ///< the part over air
+  geom::Regions ground;  ///< what carries its lines, in and near the area; under the walls as well
   double angle_rad = 0;
   double span_mm = 0;     ///< of its longest line
   bool anchored = false;  ///< held at both ends; otherwise it needs support
@@ -40,6 +41,9 @@ inline constexpr double kSkinAnchorWidths = 1.0;
 /// area; then find_internal_bridges(). A layer whose `inner` is empty costs nothing.
 std::vector<Surfaces> find_surfaces(const slice::LayerStack& stack, const std::vector<geom::Regions>& inner,
                                     const SliceSettings& settings, const run::Context& ctx);
+
+/// What of the layer below carries the lines of a bridge: as far as a strand's middle may leave it.
+geom::Regions bridge_ground(const geom::Regions& below, const geom::Regions& area, double line_width_mm);
 
 /// The best direction to bridge `hanging` over the layer below, and whether its lines find hold at both
 /// ends. `reach_mm`: how far beyond the area its lines go on (walls and anchor).

@@ -30,6 +30,7 @@ void bridge(Surfaces& own, const Regions& below, const Regions& support, const S
     out.hanging = region;
     out.area = quick_intersect(geom::offset({region}, from_mm(kAnchorMm)), quick_unite(own.solid, own.top));
     if (out.area.empty()) continue;
+    out.ground = bridge_ground(below, out.area, settings.line_width_mm);
     own.solid = quick_subtract(own.solid, out.area);
     own.top = quick_subtract(own.top, out.area);
     own.bridges.push_back(std::move(out));
