@@ -1,8 +1,10 @@
 #include "engine/toolpath/bridge_lines.h"
 
 #include "engine/geom/area_grid.h"
+#include "engine/geom/polygon_ops.h"
 #include "engine/toolpath/border.h"
 #include "engine/toolpath/hatch.h"
+#include "engine/toolpath/region_ops.h"
 
 #include <algorithm>
 #include <cmath>
@@ -38,7 +40,7 @@ class Leader {
       : domain_({domain}),
         border_({domain}),
         ground_(ground),
-        ground_border_(ground),
+        reachable_(quick_intersect(ground, geom::offset({domain}, geom::from_mm(beyond_mm)))),
         beyond_mm_(beyond_mm + kBorderSlackMm),
         lines_(lines) {}
 
@@ -72,10 +74,10 @@ class Leader {
   void lead_to_ground(Polyline& line) const {
     const Point from = line.front();
     if (held(from)) return;
-    const Point border = ground_border_.nearest(from, kMaxLeadMm);
+    const Point border = reachable_.nearest(from, kMaxLeadMm);
     const double way = geom::distance(from, border);
     if (way <= 0 || way > kMaxLeadMm * geom::kNmPerMm) return;
-    if (!inside(from, border) || !near_domain(border)) return;
+    if (!inside(from, border)) return;
     const Point onto = between(from, border, 1 + kOntoGroundMm * geom::kNmPerMm / way);
     line.insert(line.begin(), near_domain(onto) ? onto : border);
   }
@@ -109,7 +111,7 @@ class Leader {
   geom::AreaGrid domain_;
   Border border_;
   geom::AreaGrid ground_;
-  Border ground_border_;
+  Border reachable_;  ///< of the ground as far as strands may go
   double beyond_mm_;
   geom::Polylines& lines_;
 };

@@ -98,6 +98,15 @@ std::vector<Stretch> merged(std::vector<Stretch>&& stretches) {
   return out;
 }
 
+/// A loop whose seam hangs begins where it no longer does: what begins in the air holds to nothing.
+void begin_held(std::vector<Stretch>& loop, const std::vector<Band>& bands) {
+  const auto held = std::find_if(
+      loop.begin(), loop.end(), [&](const Stretch& s) { return s.band == 0 || !bands[s.band - 1].overhang; });
+  if (held == loop.begin() || held == loop.end()) return;
+  std::rotate(loop.begin(), held, loop.end());
+  loop = merged(std::move(loop));
+}
+
 void put_in_band(Path& path, std::size_t band, const std::vector<Band>& bands) {
   if (band == 0) return;
   const Band& b = bands[band - 1];
@@ -133,6 +142,7 @@ void mark_overhangs(std::vector<Path>& paths, const geom::Regions& own, const ge
     geom::Polyline line = path.points;
     if (path.closed) line.push_back(line.front());
     std::vector<Stretch> stretches = merged(carrier.split(line));
+    if (path.closed) begin_held(stretches, bands);
     if (stretches.size() <= 1) {
       if (!stretches.empty()) put_in_band(path, stretches.front().band, bands);
       out.push_back(std::move(path));

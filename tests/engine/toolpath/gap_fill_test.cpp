@@ -157,3 +157,50 @@ TEST_CASE("walls that narrow to nothing keep their beads inside") {
   CHECK(geom::to_mm2(geom::area(geom::open(bare, from_mm(0.1)))) <
         0.1 * geom::to_mm2(geom::area(stack[2].regions)));
 }
+
+TEST_CASE("an area too small for a wall gets a spot that fills it and stays inside") {
+  auto s = bare_settings();
+  for (const int sides : {3, 4, 5, 6, 9})
+    for (const double radius : {0.2, 0.25, 0.3, 0.35, 0.4}) {
+      CAPTURE(sides, radius);
+      const auto stack = stack_of(1, 0.2, [&](double) {
+        return geom::Regions{{geom::make_circle({from_mm(50), from_mm(50)}, from_mm(radius), sides), {}}};
+      });
+      const auto layer = toolpath::build(stack, s).layers[2];
+      REQUIRE(!layer.paths.empty());
+      const double inscribed = radius * std::cos(3.14159265358979 / sides);
+      for (const auto& path : layer.paths) {
+        if (path.closed || inscribed < 0.1) continue;  // what is thinner than any bead is left as wide as one
+        const double reach = 0.5 * path.width_mm;
+        for (const geom::Point& p : path.points)
+          CHECK(geom::distance(p, {from_mm(50), from_mm(50)}) / geom::kNmPerMm + reach < radius + 0.08);
+      }
+      double printed = 0;  // round ends included
+      for (const auto& path : layer.paths)
+        printed += length_mm(path) * path.width_mm +
+                   (path.closed ? 0 : 3.14159265358979 / 4 * path.width_mm * path.width_mm);
+      CHECK(printed > 0.45 * geom::to_mm2(geom::area(stack[2].regions)));
+    }
+}
+
+TEST_CASE("a hollow that walls leave in their middle is closed") {
+  auto s = bare_settings();
+  // Two walls leave a hollow of 0.1 to 0.8 mm.
+  std::size_t hollows = 0;
+  for (double radius = 0.9; radius < 1.25; radius += 0.03) {
+    CAPTURE(radius);
+    const auto stack = stack_of(1, 0.2, [&](double) {
+      return geom::Regions{{geom::make_circle({from_mm(50), from_mm(50)}, from_mm(radius), 48), {}}};
+    });
+    const auto layer = toolpath::build(stack, s).layers[4];
+    const auto walls = covered(layer, [](const auto& p) { return p.closed; });
+    const auto all = covered(
+        layer, [](const auto&) { return true; }, 0.02);
+    const auto holes = [&](const geom::Regions& beads) {
+      return geom::open(geom::subtract(stack[4].regions, beads), from_mm(0.15));
+    };
+    hollows += holes(walls).empty() ? 0u : 1u;
+    CHECK(holes(all).empty());
+  }
+  CHECK(hollows > 3);
+}

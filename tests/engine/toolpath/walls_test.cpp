@@ -58,6 +58,32 @@ TEST_CASE("beads never leave the outline") {
   }
 }
 
+TEST_CASE("a wall stays inside where a blade's tip is cut off short") {
+  auto s = bare_settings();
+  for (double tip = 0.05; tip < 0.5; tip += 0.05)
+    for (const double angle : {0.9, 1.2, 1.5, 1.8}) {  // between the blade's sides, rad
+      const double length = 4, half = tip / 2 + length * std::tan(angle / 2);
+      const auto stack = stack_of(1, 0.2, [&](double) {
+        return geom::Regions{{{{from_mm(50), from_mm(50 - tip / 2)},
+                               {from_mm(50 + length), from_mm(50 - half)},
+                               {from_mm(50 + length), from_mm(50 + half)},
+                               {from_mm(50), from_mm(50 + tip / 2)}},
+                              {}}};
+      });
+      const auto plan = toolpath::build(stack, s);
+      std::size_t seen = 0;
+      for (const auto& path : plan.layers[2].paths) {
+        if (path.role != toolpath::Role::external_perimeter) continue;
+        for (const geom::Point& p : path.points) {
+          CAPTURE(tip, angle);
+          CHECK(geom::to_mm(p.x) - 50 >= 0.5 * path.width_mm - 0.03);
+          ++seen;
+        }
+      }
+      CHECK(seen > 2);
+    }
+}
+
 TEST_CASE("a solid's beads add up to its volume") {
   auto s = bare_settings();
   s.slice.infill_density = 1;
