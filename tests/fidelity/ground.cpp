@@ -77,7 +77,7 @@ void Ground::look_down(double underside) {
       held_up_ = s->support;
       rest_ = both(open, s->part);
     }
-    open = without(open, s->section.most);
+    open = without(open, s->section.least);
   }
 }
 
