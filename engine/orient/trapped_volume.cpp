@@ -10,9 +10,6 @@ namespace voidpath::orient {
 
 namespace {
 
-/// Turn of the raster against the part's main axes across, rad, in coordinates scaled to a square: enough
-/// that an edge along an axis crosses several rows, little enough that few cells lie outside.
-constexpr double kRasterTurn = 0.1618;
 /// Rows across the part. Along a row cells come four at a time, while every further row costs each facet a
 /// strip: so cells are narrower than rows.
 constexpr int kFewestRows = 48;
@@ -23,7 +20,7 @@ constexpr int kCellsPerRow = 4;
 constexpr double kShareOfVolume = 0.01;
 constexpr double kShareOfBox = 0.005;
 /// The raster's standard error, reckoned from how much neighbouring rows differ, may be this share of that.
-constexpr double kStandardError = 0.4;
+constexpr double kStandardError = 0.3;
 
 /// How many rows will do where `rows` of them missed the bound by the factor `excess`. Errors fall at least
 /// with the power 1.5 of the number of rows. A tenth more, so that once more will mostly do.
@@ -33,6 +30,7 @@ int rows_for(int rows, double excess) {
 }
 
 constexpr Lanes kSteps{0, 1, 2, 3};
+
 constexpr std::size_t kAfter[3] = {1, 2, 0};
 
 int ceil_int(float v) {
@@ -50,6 +48,8 @@ Lanes as_lanes(const T& v) {
   static_assert(sizeof(T) == sizeof(Lanes));
   return *reinterpret_cast<const Lanes*>(&v);
 }
+
+Lanes lanes_at(const std::vector<float>& v, int i) { return *reinterpret_cast<const Lanes*>(v.data() + i); }
 
 /// Lays a strip of surface that rises by `step` a cell over `count` cells: each keeps the higher, and the
 /// lower of the two is hidden. Adds the hidden heights to `hidden`, wherever of its four.
@@ -116,7 +116,7 @@ void project(const Solid& solid, const Vec3& d, Projection& out) {
   bounds(out.h, out.h_min, out.h_max);
 }
 
-TrappedVolumeRaster::TrappedVolumeRaster(const Solid& solid) : solid_(solid) {
+TrappedVolumeRaster::TrappedVolumeRaster(const Solid& solid) : solid_(solid), slant_(solid) {
   // A few lines tell how many rows this part mostly takes, so that few lines are looked at twice.
   const Vec3 lines[] = {
       {0.36, 0.48, 0.8}, {-0.8, 0.36, 0.48}, {0.48, -0.8, 0.36}, {-0.1, 0.2, 1}, {1, 0.4, -0.1}};
@@ -155,27 +155,55 @@ double TrappedVolumeRaster::look(const Projection& p, int rows, TrappedVolume& o
   return std::max(error_up, error_down) / kStandardError;
 }
 
+/// Sums of heights over the cells of each row, with empty rows around.
+void TrappedVolumeRaster::sum_rows(const Side& side) {
+  sums_.assign(RasterRows::kEmptyAround, {});
+  for (std::size_t j = 0; j < rows_.weight.size(); ++j) {
+    const float* cells = side.surface.data() + j * static_cast<std::size_t>(cells_);
+    Lanes tops = {};
+    for (int i = 0; i < cells_; i += 4) tops += *reinterpret_cast<const Lanes*>(cells + i);
+    RowSums sums;
+    for (std::size_t k = 0; k < 4; ++k) {
+      sums.hidden += static_cast<double>(side.hidden[4 * j + k]);
+      sums.all += static_cast<double>(tops[k]);
+    }
+    sums.all += sums.hidden;
+    sums_.push_back(sums);
+  }
+  sums_.insert(sums_.end(), RasterRows::kEmptyAround, {});
+}
+
 /// V, and its standard error as a share of what it may be off by.
 double TrappedVolumeRaster::error_of(const Side& side, double box_mm3, double& v_mm3) {
-  rows_.assign(3, 0.0);
+  sum_rows(side);
   double hidden = 0;
-  for (std::size_t j = 0; j < side.hidden.size(); j += 4) {
-    double row = 0;
-    for (std::size_t k = 0; k < 4; ++k) row += static_cast<double>(side.hidden[j + k]);
-    rows_.push_back(row);
-    hidden += row;
+  double all = 0;
+  for (std::size_t j = 0; j < rows_.weight.size(); ++j) {
+    const RowSums& row = sums_[j + RasterRows::kEmptyAround];
+    hidden += rows_.weight[j] * row.hidden;
+    all += rows_.weight[j] * row.all;
   }
-  rows_.insert(rows_.end(), 3, 0.0);
-  v_mm3 = std::max(0.0, side.prisms_mm3 - cell_mm2_ * hidden - solid_.volume_mm3);
-  // Third differences pass over what changes evenly from row to row, which sums of rows get right. Errors of
-  // variance e² in each row give them a variance of (1 + 9 + 9 + 1) e².
-  double squares = 0;
-  for (std::size_t j = 3; j < rows_.size(); ++j) {
-    const double third = rows_[j] - rows_[j - 3] + 3 * (rows_[j - 2] - rows_[j - 1]);
-    squares += third * third;
+  // Independent errors of rows have these squares and products, summed over the rows.
+  double hh = 0;
+  double ha = 0;
+  double aa = 0;
+  for (std::size_t j = 0; j < rows_.thirds.size(); ++j) {
+    double h = 0;
+    double a = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      h += rows_.thirds[j][k] * sums_[j + k].hidden;
+      a += rows_.thirds[j][k] * sums_[j + k].all;
+    }
+    hh += h * h;
+    ha += h * a;
+    aa += a * a;
   }
+  const double share = aa > 0 ? std::clamp(ha / aa, 0.0, 1.0) : 0.0;
+  const double above = side.prisms_mm3 - cell_mm2_ * hidden - share * (side.prisms_mm3 - cell_mm2_ * all);
+  v_mm3 = std::max(0.0, above - solid_.volume_mm3);
+  const double variance = std::max(0.0, hh - 2 * share * ha + share * share * aa);
   const double allowed = std::max(kShareOfVolume * v_mm3, kShareOfBox * box_mm3);
-  return cell_mm2_ * std::sqrt(squares / 20) / allowed;
+  return cell_mm2_ * std::sqrt(variance) / allowed;
 }
 
 /// A prism's volume is the facet's area as seen along d times the height of its centroid.
@@ -194,32 +222,31 @@ void TrappedVolumeRaster::sum_prisms(const Projection& p) {
   down_.prisms_mm3 = down[0] + down[1];
 }
 
-/// Raster coordinates of the vertices: the part's rectangle scaled to a square, turned, and scaled so that
-/// the centre of cell i of row j is at x = i, y = j.
+/// Raster coordinates of the vertices: the part's rectangle scaled to a square, slanted, and scaled so that
+/// cells are one wide and rows one apart on average.
 void TrappedVolumeRaster::place(const Projection& p, int rows) {
+  if (rows_.weight.size() != static_cast<std::size_t>(rows)) rows_.lay(rows);
   cells_ = rows * kCellsPerRow;
-  const double c = std::cos(kRasterTurn);
-  const double s = std::sin(kRasterTurn);
+  const auto slope = static_cast<double>(slant_.best(p));
   const double width = p.x_max - p.x_min;
   const double depth = p.y_max - p.y_min;
-  const double cells_to_side = cells_ / (c + s);
-  const double rows_to_side = rows / (c + s);
+  const double rows_to_side = rows / (1 + std::abs(slope));
   const double x_mid = 0.5 * (p.x_min + p.x_max);
   const double y_mid = 0.5 * (p.y_min + p.y_max);
-  cell_mm2_ = width * depth / (cells_to_side * rows_to_side);
+  cell_mm2_ = width * depth / (cells_ * rows_to_side);
   corners_.resize(p.x.size());
   next_rows_.resize(p.x.size());
-  const double xx = c / width * cells_to_side;
-  const double xy = -s / depth * cells_to_side;
-  const double yx = s / width * rows_to_side;
-  const double yy = c / depth * rows_to_side;
+  const double xx = cells_ / width;
+  const double yx = slope / width * rows_to_side;
+  const double yy = rows_to_side / depth;
   for (std::size_t v = 0; v < corners_.size(); ++v) {
     const double a = p.x[v] - x_mid;
     const double b = p.y[v] - y_mid;
-    const auto y = static_cast<float>(yx * a + yy * b + (0.5 * rows - 0.5));
-    const int next = std::clamp(ceil_int(y), 0, rows);
-    corners_[v] = {static_cast<float>(xx * a + xy * b + (0.5 * cells_ - 0.5)), y,
-                   static_cast<float>(p.h[v] - p.h_min), static_cast<float>(next)};
+    const auto y = static_cast<float>(yx * a + yy * b + 0.5 * rows);
+    int next = std::clamp(static_cast<int>(y), 0, rows);
+    next += rows_.y[static_cast<std::size_t>(next)] < y ? 1 : 0;
+    corners_[v] = {static_cast<float>(xx * a + 0.5 * cells_), y, static_cast<float>(p.h[v] - p.h_min),
+                   static_cast<float>(next)};
     next_rows_[v] = static_cast<std::int16_t>(next);
   }
 }
@@ -255,8 +282,9 @@ void TrappedVolumeRaster::scan_row(const mesh::Triangle& t, float tall) {
   const Corner& n = corners_[t[kAfter[alone]]];
   const Corner& m = corners_[t[kAfter[kAfter[alone]]]];
   const bool k_low = k.next_row < n.next_row;
-  const float y = std::min(k.next_row, n.next_row);
-  const auto row = static_cast<std::ptrdiff_t>(y);
+  const auto row = static_cast<std::size_t>(std::min(k.next_row, n.next_row));
+  const float y = rows_.y[row];
+  const float shift = rows_.shift[row];
   const Ints swap = Ints{} - (k_low ? 1 : 0);
   auto cross = [&](const Corner& other) {
     const Lanes from_k = as_lanes(k);
@@ -267,17 +295,18 @@ void TrappedVolumeRaster::scan_row(const mesh::Triangle& t, float tall) {
   };
   const Lanes at_n = cross(n);
   const Lanes at_m = cross(m);
-  const int from = std::max(0, ceil_int(std::min(at_n[0], at_m[0])));
-  const int to = std::min(cells_, ceil_int(std::max(at_n[0], at_m[0])));
+  const int from = std::max(0, ceil_int(std::min(at_n[0], at_m[0]) - shift));
+  const int to = std::min(cells_, ceil_int(std::max(at_n[0], at_m[0]) - shift));
   if (from >= to) return;
   // Counter-clockwise facets, which look up, have n to the right of m over a corner below, else to the left.
   const bool is_up = (at_n[0] > at_m[0]) == k_low;
   const float step = (at_n[2] - at_m[2]) / (at_n[0] - at_m[0]);
   const float h_low = std::min({k.h, n.h, m.h});
   const float h_high = std::max({k.h, n.h, m.h});
-  const float z = std::clamp(at_m[2] + step * (static_cast<float>(from) - at_m[0]), h_low, h_high);
+  const float z = std::clamp(at_m[2] + step * (static_cast<float>(from) + shift - at_m[0]), h_low, h_high);
   Side& side = is_up ? up_ : down_;
-  deposit(side.surface.data() + row * cells_ + from, to - from, is_up ? z : tall - z, is_up ? step : -step,
+  deposit(side.surface.data() + row * static_cast<std::size_t>(cells_) + from, to - from,
+          is_up ? z : tall - z, is_up ? step : -step,
           *reinterpret_cast<Lanes*>(side.hidden.data() + 4 * row));
 }
 
@@ -315,12 +344,13 @@ void TrappedVolumeRaster::scan_rows(const Corner& a, const Corner& b, const Corn
   const Lanes none = {};
   const Lanes all = Lanes{} + static_cast<float>(cells_);
   for (int j = first; j < last; j += 4) {
-    const Lanes row = static_cast<float>(j) + kSteps;
+    const Lanes row = lanes_at(rows_.y, j);
+    const Lanes shift = lanes_at(rows_.shift, j);
     const Lanes xa = whole.at(row);
     const Lanes xb = row < mid->y ? lower.at(row) : upper.at(row);
-    const Ints from = ceil_ints(higher_of(lower_of(xa, xb), none));
-    const Ints to = ceil_ints(lower_of(higher_of(xa, xb), all));
-    Lanes z = h0 + gy * (row - a.y) + gx * (__builtin_convertvector(from, Lanes) - a.x);
+    const Ints from = ceil_ints(higher_of(lower_of(xa, xb) - shift, none));
+    const Ints to = ceil_ints(lower_of(higher_of(xa, xb) - shift, all));
+    Lanes z = h0 + gy * (row - a.y) + gx * (__builtin_convertvector(from, Lanes) + shift - a.x);
     z = lower_of(higher_of(z, h_low), h_high);
     const int end = std::min(4, last - j);
     for (int k = 0; k < end; ++k) {
