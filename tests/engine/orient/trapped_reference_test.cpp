@@ -1,10 +1,14 @@
 #include "tests/engine/orient/trapped_reference.h"
 
+#include "tests/support/meshes.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <random>
 #include <vector>
+
+#include <catch2/catch.hpp>
 
 namespace voidpath::test {
 
@@ -130,6 +134,21 @@ TrappedReference trapped_reference(const mesh::TriangleMesh& mesh, const Vec3& d
   const TrappedReference b = Lines(mesh, d, 1.33, lines + 1).measure();
   return {(a.up_mm3 + b.up_mm3) / 2, (a.down_mm3 + b.down_mm3) / 2,
           std::max(std::abs(a.up_mm3 - b.up_mm3), std::abs(a.down_mm3 - b.down_mm3))};
+}
+
+TEST_CASE("the dense reference gives the closed forms of a table and a tilted cube") {
+  const TrappedReference t = trapped_reference(table(40, 30, 20, 4, 5), Vec3::UnitZ(), 400);
+  CHECK(t.up_mm3 == Approx((40 * 30 - 4 * 25) * 16.0).epsilon(0.002));
+  CHECK(t.down_mm3 == Approx(0).margin(0.1));
+  // On an edge: 2 wedges of a right-angled triangle with legs a/√2 beneath it. On a corner: 3/2 of the cube.
+  const double a = 20;
+  const TrappedReference edge = trapped_reference(cube(a), Vec3(1, 1, 0), 400);
+  CHECK(edge.up_mm3 == Approx(a * a * a / 2).epsilon(0.002));
+  CHECK(edge.down_mm3 == Approx(a * a * a / 2).epsilon(0.002));
+  // Under the lower faces: the cube's shadow, √3 a², times the mean height of three faces whose corners are
+  // at 0, 1, 1 and 2 thirds of √3 a.
+  const TrappedReference corner = trapped_reference(cube(a), Vec3(1, 1, 1), 400);
+  CHECK(corner.up_mm3 == Approx(a * a * a).epsilon(0.002));
 }
 
 }  // namespace voidpath::test
