@@ -90,6 +90,8 @@ std::vector<SupportAreas> find_supports_of_groups(const slice::LayerStack& stack
   std::vector<SupportAreas> out = find_supports(thick, surfaces, gapless, ctx);
   const auto interface_layers = static_cast<std::size_t>(std::max(settings.support_interface_layers, 0));
   for (std::size_t g = 0; g < out.size(); ++g) {
+    out[g].sparse = quick_unite(out[g].sparse, out[g].floor);
+    out[g].floor.clear();
     dense_mm2[g] = geom::area(out[g].interface) / (geom::kNmPerMm * geom::kNmPerMm);
     if (groups[g].count <= interface_layers) continue;
     out[g].sparse = quick_unite(out[g].sparse, out[g].interface);

@@ -3,8 +3,11 @@
 #include "engine/geom/polygon_ops.h"
 #include "engine/run/parallel_for.h"
 #include "engine/toolpath/region_ops.h"
+#include "engine/toolpath/support_borders.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace voidpath::toolpath {
 
@@ -17,6 +20,10 @@ using geom::Regions;
 constexpr double kMinColumnMm2 = 2.0;
 /// Support may be this much coarser than the part, mm: it keeps the xy gap anyway.
 constexpr double kColumnToleranceMm = 0.05;
+/// Columns lean out no further than this, whatever the part may, degrees from vertical.
+constexpr double kMostLeanDeg = 60;
+/// A line is carried by one beside it below that it overlaps by so much of its width.
+constexpr double kCarriedShare = 0.25;
 constexpr double kMm2 = geom::kNmPerMm * geom::kNmPerMm;
 
 /// The part of a column that has room and can stand.
@@ -26,7 +33,8 @@ Regions stand(const Regions& column, const Regions& forbidden, const SliceSettin
   return geom::remove_small(out, kMinColumnMm2 * kMm2);
 }
 
-/// The top layers of a column become dense.
+/// The top layers of a column become dense, and what is left beside them if it is too narrow for a line of
+/// its own: dense layers above may lie on it.
 void split_interface(const std::vector<Regions>& contact, std::size_t i, SupportAreas& areas,
                      const SliceSettings& settings) {
   if (areas.sparse.empty() || settings.support_interface_layers <= 0) return;
@@ -34,8 +42,30 @@ void split_interface(const std::vector<Regions>& contact, std::size_t i, Support
   const auto layers = static_cast<std::size_t>(settings.support_interface_layers);
   for (std::size_t k = i; k < std::min(contact.size(), i + layers); ++k) near = quick_unite(near, contact[k]);
   if (near.empty()) return;
-  areas.interface = quick_intersect(areas.sparse, near);
-  areas.sparse = geom::open(quick_subtract(areas.sparse, near), from_mm(0.5 * settings.line_width_mm));
+  const Regions column = std::move(areas.sparse);
+  areas.sparse = geom::open(quick_subtract(column, near), from_mm(0.5 * settings.line_width_mm));
+  areas.interface = quick_subtract(column, areas.sparse);
+}
+
+/// From the plate up, each column without what nothing below carries: beside a part, room begins above it
+/// that had none below.
+void drop_unheld(std::vector<Regions>& columns, const slice::LayerStack& stack, const SliceSettings& s,
+                 const run::Context& ctx) {
+  const double slope = std::tan(std::clamp(s.support_angle_deg, 0.0, kMostLeanDeg) * std::numbers::pi / 180);
+  for (std::size_t i = 1; i < columns.size(); ++i) {
+    ctx.check();
+    if (columns[i].empty() || columns[i] == columns[i - 1]) continue;
+    const std::size_t below = layer_below_gap(stack, i, s.support_z_gap_mm);
+    Regions fresh = quick_subtract(columns[i], columns[i - 1]);
+    if (below < stack.size()) fresh = quick_subtract(fresh, stack[below].regions);
+    const geom::Coord lean =
+        from_mm(std::max(slope * stack[i].span.height_mm(), kCarriedShare * s.line_width_mm));
+    if (fresh.empty() || geom::open(fresh, lean / 2).empty()) continue;
+    Regions held = geom::offset(columns[i - 1], lean);
+    if (below < stack.size()) held = quick_unite(held, stack[below].regions);
+    columns[i] = geom::remove_small(
+        geom::open(quick_intersect(columns[i], held), from_mm(0.5 * s.line_width_mm)), kMinColumnMm2 * kMm2);
+  }
 }
 
 /// For support from the plate alone: the contacts, without what has the part or its gaps below.
@@ -52,12 +82,13 @@ std::vector<Regions> above_plate(const SupportTask& task, const run::Context& ct
 
 }  // namespace
 
-std::vector<SupportAreas> support_columns(const SupportTask& task, const SliceSettings& settings,
-                                          const run::Context& ctx) {
+std::vector<SupportAreas> support_columns(const slice::LayerStack& stack, const SupportTask& task,
+                                          const SliceSettings& settings, const run::Context& ctx) {
   const std::size_t n = task.contact.size();
   std::vector<SupportAreas> out(n);
   const std::vector<Regions> contact =
       settings.support == SupportMode::plate ? above_plate(task, ctx) : task.contact;
+  std::vector<Regions> columns(n);
   Regions column;
   for (std::size_t i = n; i-- > 0;) {
     ctx.check();
@@ -66,9 +97,14 @@ std::vector<SupportAreas> support_columns(const SupportTask& task, const SliceSe
     if (column.empty()) continue;
     const bool as_above = fresh.empty() && i + 1 < n && task.forbidden[i] == task.forbidden[i + 1];
     if (!as_above) column = stand(column, task.forbidden[i], settings);
-    out[i].sparse = column;
+    columns[i] = column;
   }
-  run::parallel_for(ctx, n, [&](std::size_t i) { split_interface(contact, i, out[i], settings); });
+  drop_unheld(columns, stack, settings, ctx);
+  run::parallel_for(ctx, n, [&](std::size_t i) {
+    out[i].sparse = columns[i];
+    split_interface(contact, i, out[i], settings);
+  });
+  border_narrow_columns(out, columns, settings, ctx);
   return out;
 }
 

@@ -4,8 +4,11 @@
 #include "engine/toolpath/fill_paths.h"
 #include "engine/toolpath/gap_fill.h"
 #include "engine/toolpath/hatch.h"
+#include "engine/toolpath/region_ops.h"
+#include "engine/toolpath/support_borders.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <utility>
 
@@ -20,16 +23,12 @@ using geom::Regions;
 constexpr double kFirstLayerDensity = 0.5;
 /// Lines are joined over gaps up to this, in their own spacings.
 constexpr double kLinkSpacings = 1.6;
-/// Remainders of wide columns smaller than this need no line of their own, mm²: the rest carries them.
-constexpr double kMinRestMm2 = 4.0;
 /// Lines of support are simplified to this, mm: they only have to be there.
 constexpr double kLineToleranceMm = 0.05;
 /// An area that is narrow by more than this share needs no lines across.
 constexpr double kAllNarrow = 0.9;
 /// Branches whose middle is further than this from their border get a second wall, mm.
 constexpr double kThickBranchMm = 1.6;
-/// Borders of columns may be this much plainer than the column, mm.
-constexpr double kBorderToleranceMm = 0.1;
 
 /// Lines along the border of an area too narrow for lines across; one down its middle where two have no
 /// room side by side.
@@ -45,17 +44,9 @@ void add_border(std::vector<Path>& out, const geom::Region& area, const BeadSize
   }
 }
 
-/// The parts of an area that lines this far apart may miss.
-Regions narrow_parts(const geom::Region& area, double apart_mm, double line_mm) {
-  constexpr double kMm2 = geom::kNmPerMm * geom::kNmPerMm;
-  const geom::Coord half = from_mm(0.5 * apart_mm);
-  const Regions plain = geom::simplify({area}, from_mm(kBorderToleranceMm));
-  const Regions core = geom::offset(plain, -half);
-  if (core.empty()) return plain;
-  const Regions wide = geom::offset(core, half);
-  if (geom::area(plain) - geom::area(wide) < kMinRestMm2 * kMm2) return {};
-  return geom::remove_small(geom::open(geom::subtract(plain, wide), from_mm(0.5 * line_mm)),
-                            kMinRestMm2 * kMm2);
+/// Whether the area needs no lines across.
+bool all_bordered(const geom::Region& domain, const Regions& bordered) {
+  return geom::area(quick_intersect({domain}, bordered)) > kAllNarrow * geom::area(domain);
 }
 
 /// Branches of trees: a wall, two where they are thick, and lines across on the plate.
@@ -86,24 +77,30 @@ std::vector<Path> support_lines(const SupportAreas& areas, std::size_t layer, co
   std::vector<Path> out;
   const double spacing = bead.spacing_mm();
   const double tolerance = std::max(settings.resolution_mm, kLineToleranceMm);
-  auto fill = [&](const Regions& regions, double density, double angle, Role role) {
-    if (regions.empty() || density <= 0) return;
-    const double apart = spacing / std::min(density, 1.0);
-    const bool sparse = apart > 2 * spacing;
-    for (const auto& domain : geom::offset(regions, -from_mm(0.5 * bead.width_mm))) {
-      const Regions narrow = sparse ? narrow_parts(domain, apart, spacing) : Regions{};
-      for (const auto& part : narrow) add_border(out, part, bead, tolerance);
-      const double bordered = geom::area(narrow);
-      if (bordered > kAllNarrow * geom::area(domain)) continue;
-      Hatch h = hatch({domain}, {angle, apart, false, kLinkSpacings * apart});
-      add_fill(out, role, {std::move(h.lines), false, spacing}, bead, tolerance);
-    }
+  const auto hatched = [&](const Regions& domain, double apart, double angle, Role role) {
+    Hatch h = hatch(domain, {angle, apart, false, kLinkSpacings * apart});
+    add_fill(out, role, {std::move(h.lines), false, spacing}, bead, tolerance);
   };
-  const double density =
-      layer == 0 ? std::max(settings.support_density, kFirstLayerDensity) : settings.support_density;
-  fill(areas.sparse, density, 0.0, Role::support);
+  if (settings.support_density > 0) {
+    double apart = support_line_distance_mm(settings, settings.support_density);
+    // Lines above lie on some of the first layer's.
+    if (layer == 0) apart /= std::ceil(std::max(kFirstLayerDensity / settings.support_density, 1.0));
+    for (const auto& part : areas.bordered) add_border(out, part, bead, tolerance);
+    add_fill(out, Role::support, {areas.caps, false, spacing}, bead, tolerance);
+    Regions domains = geom::offset(areas.sparse, -from_mm(0.5 * bead.width_mm));
+    if (layer == 0 && !areas.bordered.empty()) {
+      domains = quick_subtract(domains, areas.bordered);
+      append(domains, geom::offset(areas.bordered, -from_mm(spacing)));
+    }
+    for (const auto& domain : domains)
+      if (areas.bordered.empty() || !all_bordered(domain, areas.bordered) || layer == 0)
+        hatched({domain}, apart, 0.0, Role::support);
+  }
   add_branches(out, areas.branches, layer == 0, bead, tolerance);
-  fill(areas.interface, kInterfaceDensity, std::numbers::pi / 2, Role::support_interface);
+  const double dense = support_line_distance_mm(settings, kInterfaceDensity);
+  for (const Regions& areas_across : {areas.floor, areas.interface})
+    for (const auto& domain : geom::offset(areas_across, -from_mm(0.5 * bead.width_mm)))
+      hatched({domain}, dense, std::numbers::pi / 2, Role::support_interface);
   return out;
 }
 

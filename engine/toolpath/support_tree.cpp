@@ -86,11 +86,16 @@ std::vector<SupportAreas> support_trees(const slice::LayerStack& stack, const Su
     }
   if (rest.empty()) return out;
   rest.forbidden = task.forbidden;
-  const std::vector<SupportAreas> columns = support_columns(rest, settings, ctx);
+  const std::vector<SupportAreas> columns = support_columns(stack, rest, settings, ctx);
   run::parallel_for(ctx, top, [&](std::size_t i) {
     out[i].interface = quick_unite(out[i].interface, columns[i].interface);
     out[i].branches = quick_subtract(out[i].branches, columns[i].interface);
-    out[i].sparse = quick_subtract(columns[i].sparse, quick_unite(out[i].interface, out[i].branches));
+    const Regions rest_of_tree = quick_unite(out[i].interface, out[i].branches);
+    out[i].sparse = quick_subtract(columns[i].sparse, rest_of_tree);
+    out[i].floor = quick_subtract(columns[i].floor, rest_of_tree);
+    out[i].caps = columns[i].caps;
+    if (!rest_of_tree.empty()) out[i].caps = geom::clip_outside(out[i].caps, rest_of_tree);
+    out[i].bordered = quick_subtract(columns[i].bordered, rest_of_tree);
   });
   return out;
 }

@@ -12,7 +12,7 @@ namespace voidpath::toolpath {
 using geom::Regions;
 
 Regions printed_area(const SupportAreas& areas) {
-  return quick_unite(quick_unite(areas.sparse, areas.interface), areas.branches);
+  return quick_unite(quick_unite(quick_unite(areas.sparse, areas.interface), areas.branches), areas.floor);
 }
 
 std::vector<SupportAreas> find_supports(const slice::LayerStack& stack, const std::vector<Surfaces>& surfaces,
@@ -22,7 +22,7 @@ std::vector<SupportAreas> find_supports(const slice::LayerStack& stack, const st
   const SupportTask task = find_support_task(stack, surfaces, settings, ctx);
   if (task.empty()) return none;
   return settings.support_style == SupportStyle::tree ? support_trees(stack, task, settings, ctx)
-                                                      : support_columns(task, settings, ctx);
+                                                      : support_columns(stack, task, settings, ctx);
 }
 
 }  // namespace voidpath::toolpath

@@ -18,6 +18,9 @@ struct SupportAreas {
   geom::Regions sparse;
   geom::Regions interface;  ///< dense, right below what is held
   geom::Regions branches;   ///< of trees: hollow, with a wall of their own
+  geom::Regions floor;      ///< dense, below borders that begin
+  geom::Regions bordered;   ///< of line centres in what is sparse: too narrow for its lines
+  geom::Polylines caps;     ///< along the border of what is sparse, beyond the last of its lines
 };
 
 /// All of it together.

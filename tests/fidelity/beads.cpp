@@ -40,6 +40,7 @@ std::optional<Kind> kind_of(const std::string& type) {
   if (type == "Internal infill" || type == "Solid infill" || type == "Top solid infill") return Kind::fill;
   if (type == "Bridge infill" || type == "Overhang perimeter" || type == "Internal bridge infill")
     return Kind::bridge;
+  if (type == "Support material interface") return Kind::roof;
   if (type.rfind("Support", 0) == 0) return Kind::support;
   if (type == "Skirt/Brim") return Kind::brim;
   return std::nullopt;

@@ -8,7 +8,10 @@
 /// engine's code: what the checker finds must not rest on what it checks.
 namespace voidpath::fidelity {
 
-enum class Kind { wall, fill, bridge, support, brim };
+/// Support that is printed densely to hold the part is a roof.
+enum class Kind { wall, fill, bridge, support, roof, brim };
+
+inline bool is_support(Kind k) { return k == Kind::support || k == Kind::roof; }
 
 /// A straight strand. mm, plate coordinates. The width is what the extruded volume gives at the strand's
 /// height, for a rectangle with half-round ends; of one as high as it is wide, for a round one.

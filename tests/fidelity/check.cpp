@@ -49,7 +49,7 @@ Grid grid_for(const mesh::TriangleMesh& mesh, const Print& print, const Rules& r
   mesh::Bounds b = mesh::bounds(mesh);
   for (const Layer& l : print.layers)
     for (const Bead& bead : l.beads) {
-      if (bead.kind != Kind::support && bead.kind != Kind::brim) continue;
+      if (!is_support(bead.kind) && bead.kind != Kind::brim) continue;
       b.min.x() = std::min({b.min.x(), bead.x0, bead.x1});
       b.min.y() = std::min({b.min.y(), bead.y0, bead.y1});
       b.max.x() = std::max({b.max.x(), bead.x0, bead.x1});
@@ -101,7 +101,7 @@ class Checker {
     now.top = l.top;
     now.bottom = l.top - l.height;
     for (const Bead& b : l.beads)
-      if (b.kind != Kind::brim) draw(b.kind == Kind::support ? now.support : now.part, grid_, b);
+      if (b.kind != Kind::brim) draw(is_support(b.kind) ? now.support : now.part, grid_, b);
     if (is_spiral(i)) {
       spiral(i, now);
     } else {
@@ -271,12 +271,12 @@ class Checker {
     const Bead* before = nullptr;
     for (const Bead& b : l.beads) {
       const bool joined = before != nullptr && before->kind != Kind::brim &&
-                          (before->kind == Kind::support) == (b.kind == Kind::support) &&
+                          is_support(before->kind) == is_support(b.kind) &&
                           std::hypot(b.x0 - before->x1, b.y0 - before->y1) < kSamePlace;
       if (!joined) close(run, i, true);
       before = &b;
       if (b.kind == Kind::brim) continue;
-      const bool support = b.kind == Kind::support;
+      const bool support = is_support(b.kind);
       const double length = std::hypot(b.x1 - b.x0, b.y1 - b.y0);
       (support ? found_.support_mm : found_.length_mm) += length;
       Ground& ground = ground_of(b);
@@ -284,7 +284,7 @@ class Checker {
       for (int k = 0; k < n; ++k) {
         const double t = (k + 0.5) / n;
         const double x = b.x0 + t * (b.x1 - b.x0), y = b.y0 + t * (b.y1 - b.y0);
-        if (support ? ground.holds_support(x, y) : ground.holds(x, y)) {
+        if (support ? ground.holds_support(x, y, b.kind == Kind::roof) : ground.holds(x, y)) {
           close(run, i, false);
           continue;
         }

@@ -22,6 +22,16 @@ void add(Mask& to, const Mask& what) {
   for (std::size_t p = 0; p < to.size(); ++p) to[p] |= what[p];
 }
 
+/// With gaps up to twice as wide filled.
+Mask closed(const Mask& mask, const Grid& grid, double by) {
+  Mask out = mask;
+  const Window w = cropped(mask, grid, static_cast<int>(by / grid.size) + 2);
+  if (w.mask.empty()) return out;
+  const Mask wide = shrunk(grown(w.mask, w.grid, by), w.grid, by);
+  for (std::size_t p = 0; p < wide.size(); ++p) out[w.whole(p, grid)] |= wide[p];
+  return out;
+}
+
 bool near(std::optional<Nearby>& what, std::size_t pixel, double reach) {
   return what.has_value() && what->within(pixel, reach);
 }
@@ -40,13 +50,15 @@ Ground::Ground(const std::deque<Seen>& below, const Rules& rules, const Grid& gr
   support_lean_ = std::max(leaning(height, rules.branch_angle_deg), overlap) + grid.size;
   sparse_ = std::max(rules.line_width / std::max(rules.infill_density, 0.02), lean_);
   between_ = 0.6 * rules.line_width / std::max(rules.support_density, 0.02) + grid.size;
+  roof_lean_ = std::max(support_lean_, 0.5 * rules.line_width / std::max(rules.support_density, 0.02));
   near_plate_ = !support_fits(rules.ground, underside);
   on_plate_ = underside <= kSameHeight;
   for (const Seen& s : below)
     if (s.top <= underside + kSameHeight) under_ = &s;
   if (under_ == nullptr) return;
   part_.emplace(under_->part, grid);
-  own_support_.emplace(under_->support, grid);
+  own_below_ = closed(under_->support, grid, between_);
+  own_support_.emplace(own_below_, grid);
   look_down(underside);
   if (!held_up_.empty()) support_.emplace(held_up_, grid);
   if (!close_below_.empty()) close_.emplace(close_below_, grid);
@@ -96,11 +108,12 @@ bool Ground::holds(double x, double y) {
   return near(support_, *p, between_) || near(close_, *p, lean_) || near(raft_, *p, lean_);
 }
 
-bool Ground::holds_support(double x, double y) {
+bool Ground::holds_support(double x, double y, bool roof) {
   if (on_plate_) return true;
   const auto p = pixel(x, y);
   if (!p) return false;
-  return near(own_support_, *p, support_lean_) || near(rests_, *p, support_lean_);
+  const double lean = roof ? roof_lean_ : support_lean_;
+  return near(own_support_, *p, lean) || near(rests_, *p, lean);
 }
 
 }  // namespace voidpath::fidelity

@@ -30,9 +30,10 @@ class Ground {
   /// own so low that no layer of support has room in it with its gaps. There a strand lands on what is
   /// below, about as deep as support would have left it, and nothing better can be printed.
   bool holds(double x, double y);
-  /// For a strand of support: strands of support one layer down, within the lean that branches may have; the
-  /// plate; the part a gap below.
-  bool holds_support(double x, double y);
+  /// For a strand of support: support one layer down, what lies between its lines included, within the lean
+  /// that branches may have; the plate; the part a gap below. Dense lines of a roof may go on beyond the last
+  /// line below by half of what those are apart.
+  bool holds_support(double x, double y, bool roof);
 
   /// Layers whose top lies further below a strand's underside hold nothing, mm.
   static double reach(const Rules& rules, double thickest_layer);
@@ -50,8 +51,9 @@ class Ground {
   Mask close_below_;             ///< the part across a gap of its own
   Mask rest_;                    ///< the part where support may stand on it
   Mask raft_top_;                ///< the raft's last layer, where no support fits above it
+  Mask own_below_;               ///< support and what is between its lines
   std::optional<Nearby> part_, own_support_, support_, close_, rests_, raft_;
-  double lean_ = 0, support_lean_ = 0, sparse_ = 0, between_ = 0;
+  double lean_ = 0, support_lean_ = 0, sparse_ = 0, between_ = 0, roof_lean_ = 0;
   bool near_plate_ = false;  ///< no support fits below
   bool on_plate_ = false;
 };
