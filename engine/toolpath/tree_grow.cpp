@@ -32,6 +32,10 @@ constexpr double kSeekMm = 25.0;
 constexpr double kMeetShare = 0.8;
 /// Tips are placed no nearer to another branch than this share of their distance: it holds what is there.
 constexpr double kCrowded = 0.7;
+/// No place is to be further from a tip than this share of their distance.
+constexpr double kReach = 0.65;
+/// That is looked at in places this far apart, as a share of the tips' distance.
+constexpr double kSampleShare = 0.2;
 /// A branch at the edge of its room may have to move this many steps: corners of what is shrunk by a step are
 /// cut off.
 constexpr double kMaxEscape = 2.2;
@@ -56,6 +60,25 @@ Point towards(const Point& p, const Point& q, double way) {
   const double d = geom::distance(p, q);
   if (d <= way) return q;
   return moved(p, static_cast<double>(q.x - p.x) / d * way, static_cast<double>(q.y - p.y) / d * way);
+}
+
+/// Points of the area on a lattice this far apart, nm, and along its border.
+std::vector<Point> samples(const geom::Region& region, double apart) {
+  std::vector<Point> out;
+  const auto box = geom::bounds(region.outer);
+  const geom::AreaGrid grid({region});
+  const auto step = std::max<geom::Coord>(std::llround(apart), 1);
+  const auto first = [&](geom::Coord c) { return (c >= 0 ? c / step : -((step - 1 - c) / step)) * step; };
+  for (geom::Coord y = first(box->min.y); y <= box->max.y; y += step)
+    for (geom::Coord x = first(box->min.x); x <= box->max.x; x += step)
+      if (grid.contains({x, y})) out.push_back({x, y});
+  for (const auto& ring : geom::rings_of({region}))
+    for (std::size_t k = 0; k < ring.size(); ++k) {
+      const Point &a = ring[k], &b = ring[(k + 1) % ring.size()];
+      const double length = geom::distance(a, b);
+      for (double along = 0; along < length; along += apart) out.push_back(towards(a, b, along));
+    }
+  return out;
 }
 
 class Grower {
@@ -116,6 +139,12 @@ class Grower {
         if (const auto tip = tip_at(i, wanted)) nodes_.push_back(*tip);
       }
       missed = missed || !stands(region);
+      // Where all that is near a place left tips out, or moved aside, none may be near enough.
+      for (const Point& p : samples(region, kSampleShare * apart)) {
+        if (crowded(p, kReach * apart)) continue;
+        const auto tip = tip_at(i, p);
+        if (tip && !crowded(tip->at, 0.5 * kReach * apart)) nodes_.push_back(*tip);
+      }
     }
     if (missed) leave_unheld(i);
   }
