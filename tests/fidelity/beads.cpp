@@ -18,6 +18,8 @@ constexpr double kLeastLength = 0.01;
 constexpr double kRoundEnds = 1 - kPi / 4;
 /// Heights that differ by less are the same: half the last written digit, mm.
 constexpr double kSameHeight = 5e-4;
+/// The digits of a climb say nothing about the width of what is thinner, mm.
+constexpr double kLeastHeight = 0.01;
 /// The digits of E and Z at the thin end of a round, mm³.
 constexpr double kNothing = 1e-3;
 
@@ -186,8 +188,10 @@ class Interpreter {
       for (const Raw& r : raw_) add(r, r.height);
       return raw_.clear();
     }
-    // First what climbs, then the level round on it, if there is one.
-    const auto rim = std::find_if_not(raw_.begin(), raw_.end(), begins_below);
+    // First what climbs, then the level round on it, if there is one: the last bit of a climb looks level
+    // too.
+    auto rim = std::find_if_not(raw_.begin(), raw_.end(), begins_below);
+    if (2 * length_of(rim, raw_.end()) < length_of(raw_.begin(), rim)) rim = raw_.end();
     const std::vector<Raw> first(raw_.begin(), rim), second(rim, raw_.end());
     Climb own = lay_round(first, climb_, layer.top - layer.height);
     if (!second.empty()) own = lay_round(second, own, layer.top);
@@ -195,11 +199,18 @@ class Interpreter {
     raw_.clear();
   }
 
+  template <class It>
+  static double length_of(It from, It to) {
+    double sum = 0;
+    for (; from != to; ++from) sum += std::hypot(from->x1 - from->x0, from->y1 - from->y0);
+    return sum;
+  }
+
   /// A round over another one, or over `level` where there is none.
   Climb lay_round(const std::vector<Raw>& round, const Climb& under, double level) {
     Climb own;
-    double whole = 0, along = 0;
-    for (const Raw& r : round) whole += std::hypot(r.x1 - r.x0, r.y1 - r.y0);
+    const double whole = length_of(round.begin(), round.end());
+    double along = 0;
     for (const Raw& r : round) {
       const double length = std::hypot(r.x1 - r.x0, r.y1 - r.y0);
       const double share = (along + 0.5 * length) / whole, z = 0.5 * (r.z0 + r.z1);
@@ -229,6 +240,7 @@ class Interpreter {
     if (width < height) width = area / (kPi / 4 * height);
     const bool round = r.width == r.height;
     if (round) width = std::sqrt(area / (kPi / 4));
+    if (height < kLeastHeight) width = r.width;
     layer.beads.push_back({r.x0, r.y0, r.x1, r.y1, width, height, top, r.kind, round, r.z1 != r.z0});
   }
 

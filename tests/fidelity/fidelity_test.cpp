@@ -33,11 +33,12 @@ TEST_CASE("what is printed is the part, layer by layer") {
                       {{"slice.external_perimeters_first", "true"}, {"slice.infill_pattern", "concentric"}}};
   for (const auto& [name, mesh] : shapes)
     for (const Set& set : sets) {
-      const Findings f = checked(sliced(mesh, options_for(set)));
+      const Sliced part = sliced(mesh, options_for(set));
+      const Findings f = checked(part);
       INFO(told(name, f));
       CHECK(f.layers > 10);
       CHECK(f.length_mm > 500);
-      CHECK(beyond_bounds(f) == std::vector<std::string>{});
+      CHECK(beyond_bounds(f, bounds_for(part.rules)) == std::vector<std::string>{});
     }
 }
 
@@ -130,9 +131,10 @@ TEST_CASE("every real part, printed sparse and solid", "[.every]") {
   for (const auto& [file, scale] : models)
     for (const Set& set : {Set{}, Set{{"slice.infill_density", "1"}}}) {
       const std::string name = file.filename().string() + (set.empty() ? "" : ", solid");
-      const Findings f = checked(sliced(imported(file, scale), options_for(set)));
+      const Sliced part = sliced(imported(file, scale), options_for(set));
+      const Findings f = checked(part);
       std::cout << told(name, f) << std::flush;
       INFO(told(name, f));
-      CHECK(beyond_bounds(f) == std::vector<std::string>{});
+      CHECK(beyond_bounds(f, bounds_for(part.rules)) == std::vector<std::string>{});
     }
 }

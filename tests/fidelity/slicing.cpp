@@ -89,7 +89,13 @@ Findings checked(const Sliced& part) {
 double outside_limit(const Findings& f) { return 0.05 + 1.5 * f.pixel; }
 double hole_limit(const Findings& f) { return 0.15 + f.pixel; }
 
-std::vector<std::string> beyond_bounds(const Findings& f) {
+Bounds bounds_for(const Rules& rules) {
+  Bounds b;
+  b.support_span = rules.line_width / rules.support_density;
+  return b;
+}
+
+std::vector<std::string> beyond_bounds(const Findings& f, const Bounds& bounds) {
   std::vector<std::string> out = f.complaints;
   const auto within = [&](const char* name, double value, double limit) {
     if (!(value <= limit)) out.emplace_back(name);
@@ -97,9 +103,13 @@ std::vector<std::string> beyond_bounds(const Findings& f) {
   within("outside", f.outside.value, outside_limit(f));
   within("uncovered", f.uncovered.value, 1);
   within("top hole", f.top_hole.value, hole_limit(f));
-  within("bottom hole", f.bottom_hole.value, hole_limit(f));
-  within("loose", f.loose.value, kTip);
-  within("unannounced", f.unannounced.value, kTip);
+  within("bottom hole", f.bottom_hole.value, std::max(hole_limit(f), bounds.bottom_hole));
+  if (bounds.held) {
+    within("loose", f.loose.value, kTip);
+    within("unannounced", f.unannounced.value, kTip);
+  }
+  within("support loose", f.support_loose.value, kTip);
+  within("support span", f.support_span.value, bounds.support_span);
   within("wall gap", f.wall_gap.value, outside_limit(f));
   within("brim inside", f.brim_inside.value, outside_limit(f));
   within("volume", std::abs(f.volume_ratio - 1), kVolumeError);

@@ -40,8 +40,16 @@ double hole_limit(const Findings& f);
 /// The tip of a strand may stick out by its own width, mm.
 inline constexpr double kTip = 0.5;
 
+/// Where a way of slicing allows more than all others.
+struct Bounds {
+  bool held = true;         ///< the part's strands are to have something to lie on
+  double bottom_hole = 0;   ///< if more than otherwise, mm
+  double support_span = 0;  ///< of a support's strand that is held at both ends, mm
+};
+Bounds bounds_for(const Rules& rules);
+
 /// The names of the findings that are beyond what is allowed.
-std::vector<std::string> beyond_bounds(const Findings& f);
+std::vector<std::string> beyond_bounds(const Findings& f, const Bounds& bounds);
 /// All of them, to be read.
 std::string told(const std::string& name, const Findings& f);
 
