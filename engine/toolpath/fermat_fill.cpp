@@ -1,6 +1,7 @@
 #include "engine/toolpath/fermat_fill.h"
 
 #include "engine/geom/polygon_ops.h"
+#include "engine/toolpath/bead_area.h"
 #include "engine/toolpath/concentric_fill.h"
 #include "engine/toolpath/contour_tree.h"
 #include "engine/toolpath/region_ops.h"
@@ -41,8 +42,6 @@ constexpr double kApart = 0.5;
 constexpr double kMarginSpacings = 2.5;
 /// Gaps narrower than this share of a bead are left to the squeeze of their neighbours.
 constexpr double kLeastGap = 0.4;
-/// Of a round end this share of its radius is as wide as the bead, nearly.
-constexpr double kRoundTip = 0.5;
 
 /// A stretch of a ring, from a on by `length` nm in the ring's direction (forward) or against it.
 struct Window {
@@ -313,29 +312,11 @@ class Spirals {
   std::vector<std::vector<std::pair<Window, Polyline>>> beside_;  ///< lines that go out from each contour
 };
 
-/// What beads this wide cover along the lines, nearly as far as their round ends go.
-geom::Regions beads_of(const geom::Polylines& lines, double width_nm) {
-  geom::Rings quads;
-  for (const Polyline& line : lines)
-    for (std::size_t i = 1; i < line.size(); ++i) {
-      const Point &a = line[i - 1], &b = line[i];
-      const double d = geom::distance(a, b);
-      if (d <= 0) continue;
-      const double ux = static_cast<double>(b.x - a.x) / d, uy = static_cast<double>(b.y - a.y) / d;
-      const double side = 0.5 * width_nm, tip = kRoundTip * side;
-      const auto at = [&](const Point& p, double along, double left) {
-        return Point{p.x + std::llround(along * ux - left * uy), p.y + std::llround(along * uy + left * ux)};
-      };
-      quads.push_back({at(a, -tip, -side), at(b, tip, -side), at(b, tip, side), at(a, -tip, side)});
-    }
-  return geom::unite(quads);
-}
-
 /// What the lines leave open where they pass through windows: they do not keep their distance there.
 geom::Regions open_windows(const Spirals& spirals, const geom::Polylines& lines, const geom::Regions& area,
                            double spacing_nm) {
   const geom::Regions looked_at = spirals.around_windows(kMarginSpacings * spacing_nm);
-  const geom::Regions beads = beads_of(geom::clip_inside(lines, looked_at), spacing_nm);
+  const geom::Regions beads = bead_area(geom::clip_inside(lines, looked_at), spacing_nm);
   // Beads that run beside what is looked at cover its rim.
   const geom::Regions inside = geom::offset(looked_at, -std::llround(spacing_nm));
   const geom::Regions left = quick_subtract(quick_intersect(area, inside), beads);

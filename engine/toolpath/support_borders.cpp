@@ -3,6 +3,7 @@
 #include "engine/geom/polygon_ops.h"
 #include "engine/run/parallel_for.h"
 #include "engine/toolpath/bead.h"
+#include "engine/toolpath/bead_area.h"
 #include "engine/toolpath/region_ops.h"
 
 #include <algorithm>
@@ -28,9 +29,11 @@ constexpr double kBesideShare = 0.5;
 /// Pieces of border whose area is smaller than this hold themselves, mm².
 constexpr double kMinFloorMm2 = 0.5;
 /// Caps of which more than this share is bordered already need nothing.
-constexpr double kAlreadyBordered = 0.5;
+constexpr double kAlreadyBordered = 0.4;
 /// Borders of areas of line centres are as exact as offsets are, nm.
 constexpr geom::Coord kSlack = 5000;
+/// Shorter stretches of border need no line, mm.
+constexpr double kLeastCapMm = 0.8;
 /// Border further from the last line than this share of their distance is printed.
 constexpr double kCapShare = 0.5;
 constexpr double kMm2 = geom::kNmPerMm * geom::kNmPerMm;
@@ -49,36 +52,30 @@ Regions narrow_parts(const geom::Region& area, double apart_mm, double line_mm) 
                             kMinRestMm2 * kMm2);
 }
 
-/// Border that goes beyond the last line, from that line out and back to it; and what lies between.
-struct Cap {
-  geom::Polyline line;
-  geom::Region area;
-};
-
 geom::Coord row_of(geom::Coord y, double apart) {
   return static_cast<geom::Coord>(std::floor(static_cast<double>(y) / apart));
 }
 
-/// A stretch of border between two lines. `from` and `to`: the lines it comes from and goes to.
-void add_cap(std::vector<Cap>& out, geom::Polyline&& line, geom::Coord from, geom::Coord to, double apart) {
-  if (from != to || line.size() < 3) return;
-  const double y = static_cast<double>(from) * apart;
-  double above = 0, below = 0;
-  for (const geom::Point& p : line) {
-    above = std::max(above, static_cast<double>(p.y) - y);
-    below = std::max(below, y - static_cast<double>(p.y));
+/// Of a stretch of border between two lines: how much of it runs along the lines, further than half of what
+/// those are apart from the one on its inner side. nm
+double unlined(const geom::Polyline& stretch, double apart) {
+  double sum = 0;
+  for (std::size_t i = 1; i < stretch.size(); ++i) {
+    const geom::Point &a = stretch[i - 1], &b = stretch[i];
+    const auto dx = static_cast<double>(b.x - a.x), dy = static_cast<double>(b.y - a.y);
+    if (std::abs(dy) > std::abs(dx)) continue;
+    // What is to be held lies to the left: above where the border runs along x.
+    const double y = 0.5 * static_cast<double>(a.y + b.y);
+    const double over = y - std::floor(y / apart) * apart;
+    if ((dx > 0 ? apart - over : over) > kCapShare * apart) sum += std::abs(dx);
   }
-  // The area lies to the left: between line and border where the border comes back that way.
-  const bool inside = above > below ? line.front().x > line.back().x : line.front().x < line.back().x;
-  if (!inside || std::max(above, below) <= kCapShare * apart) return;
-  geom::Region area{line, {}};
-  out.push_back({std::move(line), std::move(area)});
+  return sum;
 }
 
-/// Of an area of line centres: where its border is further from the last line than half a spacing. Lines run
-/// along x on a lattice through the plate's origin.
-std::vector<Cap> caps_of(const geom::Region& domain, double apart) {
-  std::vector<Cap> out;
+/// Of an area of line centres: its border, from line to line, where it is further from the last line than
+/// half a spacing. Lines run along x on a lattice through the plate's origin.
+geom::Polylines caps_of(const geom::Region& domain, double apart) {
+  geom::Polylines out;
   for (const geom::Ring& ring : geom::rings_of({domain})) {
     // The ring begins after a crossing, or has none.
     std::size_t first = 0;
@@ -86,7 +83,6 @@ std::vector<Cap> caps_of(const geom::Region& domain, double apart) {
     while (first < n && row_of(ring[first].y, apart) == row_of(ring[(first + 1) % n].y, apart)) ++first;
     if (first == n) continue;
     geom::Polyline line;
-    geom::Coord from = 0;
     for (std::size_t k = 0; k <= n; ++k) {
       const geom::Point& a = ring[(first + k) % n];
       const geom::Point& b = ring[(first + k + 1) % n];
@@ -100,10 +96,9 @@ std::vector<Cap> caps_of(const geom::Region& domain, double apart) {
         const geom::Point p{a.x + std::llround(t * static_cast<double>(b.x - a.x)), std::llround(y)};
         if (!line.empty()) {
           line.push_back(p);
-          add_cap(out, std::move(line), from, crossed, apart);
+          if (unlined(line, apart) > kLeastCapMm * geom::kNmPerMm) out.push_back(std::move(line));
         }
         line = {p};
-        from = crossed;
         if (k == n) break;  // the first crossing again
       }
     }
@@ -126,14 +121,15 @@ struct Borders {
 
   void add(const geom::Region& domain, double apart_mm, double line_mm) {
     Regions parts = narrow_parts(domain, apart_mm, line_mm);
-    for (Cap& cap : caps_of(domain, apart_mm * geom::kNmPerMm)) {
-      const double own = geom::area({cap.area});
-      if (!parts.empty() && geom::area(quick_intersect({cap.area}, parts)) > kAlreadyBordered * own) continue;
-      caps.push_back(std::move(cap.line));
-      all.push_back(std::move(cap.area));
+    for (geom::Polyline& cap : caps_of(domain, apart_mm * geom::kNmPerMm)) {
+      const Regions own = bead_area({cap}, line_mm * geom::kNmPerMm);
+      if (!parts.empty() && geom::area(quick_intersect(own, parts)) > kAlreadyBordered * geom::area(own))
+        continue;
+      caps.push_back(std::move(cap));
+      all = quick_unite(all, own);
     }
-    append(narrow, Regions(parts));
-    all = all.empty() ? std::move(parts) : geom::unite(all, parts);
+    all = quick_unite(all, parts);
+    append(narrow, std::move(parts));
   }
 };
 

@@ -113,25 +113,15 @@ TEST_CASE("real parts are printed as they are", "[corpus]") {
   }
 }
 
-namespace {
-
-mesh::TriangleMesh imported(const fs::path& file, double scale) {
-  mesh::ImportOptions options;
-  options.scale = scale;
-  return mesh::import_model(file, options).mesh;
-}
-
-}  // namespace
-
 TEST_CASE("every real part, printed sparse and solid", "[.every]") {
   const std::string shared = test::shared_dir();
   REQUIRE(!shared.empty());
   const char* only = std::getenv("VOIDPATH_ONLY");  // part of a name; empty: all
   const auto models = test::real_models(fs::path(shared) / "models", only != nullptr ? only : "");
-  for (const auto& [file, scale] : models)
+  for (const test::RealModel& model : models)
     for (const Set& set : {Set{}, Set{{"slice.infill_density", "1"}}}) {
-      const std::string name = file.filename().string() + (set.empty() ? "" : ", solid");
-      const Sliced part = sliced(imported(file, scale), options_for(set));
+      const std::string name = model.file.filename().string() + (set.empty() ? "" : ", solid");
+      const Sliced part = sliced(imported(model), options_for(set));
       const Findings f = checked(part);
       std::cout << told(name, f) << std::flush;
       INFO(told(name, f));

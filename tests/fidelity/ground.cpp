@@ -50,6 +50,7 @@ Ground::Ground(const std::deque<Seen>& below, const Rules& rules, const Grid& gr
   support_lean_ = std::max(leaning(height, rules.branch_angle_deg), overlap) + grid.size;
   sparse_ = std::max(rules.line_width / std::max(rules.infill_density, 0.02), lean_);
   between_ = 0.6 * rules.line_width / std::max(rules.support_density, 0.02) + grid.size;
+  beside_ = std::max(lean_, rules.support_reach + grid.size);
   roof_lean_ = std::max(support_lean_, 0.5 * rules.line_width / std::max(rules.support_density, 0.02));
   near_plate_ = !support_fits(rules.ground, underside);
   on_plate_ = underside <= kSameHeight;
@@ -60,7 +61,10 @@ Ground::Ground(const std::deque<Seen>& below, const Rules& rules, const Grid& gr
   own_below_ = closed(under_->support, grid, between_);
   own_support_.emplace(own_below_, grid);
   look_down(underside);
-  if (!held_up_.empty()) support_.emplace(held_up_, grid);
+  if (!held_up_.empty()) {
+    held_up_ = closed(held_up_, grid, between_);
+    support_.emplace(held_up_, grid);
+  }
   if (!close_below_.empty()) close_.emplace(close_below_, grid);
   if (!rest_.empty()) rests_.emplace(rest_, grid);
   if (!near_plate_ || rules.ground <= 0) return;
@@ -105,7 +109,7 @@ bool Ground::holds(double x, double y) {
   if (near_plate_ && rules_.ground <= 0) return true;
   if (!p || under_ == nullptr) return false;
   if (near(part_, *p, under_->section.most[*p] != 0 ? sparse_ : lean_)) return true;
-  return near(support_, *p, between_) || near(close_, *p, lean_) || near(raft_, *p, lean_);
+  return near(support_, *p, beside_) || near(close_, *p, lean_) || near(raft_, *p, lean_);
 }
 
 bool Ground::holds_support(double x, double y, bool roof) {

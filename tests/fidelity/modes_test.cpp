@@ -1,11 +1,13 @@
 #include "tests/fidelity/modes.h"
 
-#include "engine/mesh/import.h"
 #include "tests/fidelity/shapes.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <sstream>
+#include <stdexcept>
 
 #include <catch2/catch.hpp>
 
@@ -43,6 +45,62 @@ TEST_CASE("each way of slicing prints the part, layer by layer") {
     }
 }
 
+TEST_CASE("compensation that was asked for is there, and none that was not") {
+  const auto with = [](const char* name) { return sliced(drilled(), options_for(mode(name).set)); };
+  // Walls lie on their outline: a tenth of the compensation, in the mean.
+  for (const char* name : {"larger", "smaller, wider holes", "elephant foot"}) {
+    const Findings f = checked(with(name));
+    INFO(told(name, f));
+    CHECK(f.inset.value <= 0.06);
+  }
+  Sliced larger = with("larger"), smaller = with("smaller, wider holes"), foot = with("elephant foot");
+  larger.rules.outer_growth = 0;
+  CHECK(checked(larger).outside.value > 0.13);
+  smaller.rules.outer_growth = 0;
+  CHECK(checked(smaller).inset.value > 0.1);
+  smaller.rules.outer_growth = -0.15;
+  smaller.rules.hole_growth = 0;
+  CHECK(checked(smaller).inset.value > 0.08);
+  foot.rules.foot = 0;
+  CHECK(checked(foot).inset.value > 0.15);
+}
+
+TEST_CASE("brims reach as far as they are to, and not into the part") {
+  const Sliced brim = sliced(drilled(), options_for(mode("brim").set));
+  const Findings f = checked(brim);
+  INFO(told("brim", f));
+  CHECK(f.brim_mm > 300);
+  CHECK(f.brim_away.value > 2);
+  CHECK(f.brim_away.value <= 3.1);
+  const Findings ears = checked(sliced(drilled(), options_for(mode("ears").set)));
+  INFO(told("ears", ears));
+  CHECK(ears.brim_mm > 50);
+  CHECK(ears.brim_mm < f.brim_mm);
+  CHECK(ears.brim_away.value <= 4.1);
+}
+
+TEST_CASE("support that begins in the air is seen, in either style") {
+  for (const char* style : {"grid", "tree"}) {
+    Sliced part = sliced(spool(), options_for({{"slice.support_style", style}}));
+    const Findings good = checked(part);
+    INFO(told(style, good));
+    CHECK(good.support_mm > 300);
+    CHECK(beyond_bounds(good, bounds_for(part.rules)) == Names{});
+    // One layer of support that is not pressed out leaves the next one without anything below.
+    std::istringstream in(part.gcode);
+    std::string line, type, cut;
+    for (int layer = -1; std::getline(in, line);) {
+      if (line == ";LAYER_CHANGE") ++layer;
+      if (line.rfind(";TYPE:", 0) == 0) type = line.substr(6);
+      const bool drop = layer == 15 && type.rfind("Support", 0) == 0 && line.rfind("G1 X", 0) == 0;
+      cut += (drop ? line.substr(0, line.find(" E")) : line) + "\n";
+    }
+    part.gcode = std::move(cut);
+    const Findings bad = checked(part);
+    CHECK(std::max(bad.support_loose.value, bad.support_span.value) > 2);
+  }
+}
+
 TEST_CASE("each way of slicing gives the same bytes on one thread and on many") {
   for (const Mode& m : modes()) {
     const Shape& shape = shapes()[m.suits("spool") ? 0 : 2];
@@ -66,7 +124,7 @@ TEST_CASE("real parts, sliced in every way", "[.every]") {
         "dotscad_drilled_cube.stl", "original-prusa-i3__fan-shroud.stl", "meshes__cat-low-resolution.obj",
         "dotscad_superformula_vase.stl"}) {
     if (only != nullptr && std::string(name).find(only) == std::string::npos) continue;
-    const mesh::TriangleMesh mesh = mesh::import_model(fs::path(shared) / "models" / name, {}, {}).mesh;
+    const mesh::TriangleMesh mesh = imported(test::real_model(fs::path(shared) / "models" / name));
     for (const Mode& m : modes()) {
       if (one_mode != nullptr && m.name.find(one_mode) == std::string::npos) continue;
       const Sliced part = sliced(mesh, options_for(m.set));

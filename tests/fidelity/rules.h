@@ -11,6 +11,7 @@ struct Rules {
   double support_density = 0.15;
   double support_angle_deg = 45;  ///< what leans out further must be held
   double support_z_gap = 0.2;
+  double support_reach = 0.5;    ///< what is printed may be so far beside support
   double branch_angle_deg = 45;  ///< support may lean out so far
   /// Where the part begins: above the raft and its gap; 0 on the plate.
   double ground = 0;

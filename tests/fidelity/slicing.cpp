@@ -1,6 +1,7 @@
 #include "tests/fidelity/slicing.h"
 
 #include "config/config.h"
+#include "engine/mesh/import.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +13,8 @@ namespace {
 
 /// A branch may widen by this much a mm upwards, beside its lean.
 constexpr double kBranchWidening = 0.3;
+/// No place that is to be held is further from a tip than this share of what tips are apart.
+constexpr double kTipShare = 0.65;
 /// Of the extruded volume, as a share.
 constexpr double kVolumeError = 0.02;
 
@@ -30,6 +33,9 @@ Rules rules_for(const toolpath::SliceSettings& s) {
   r.infill_density = s.infill_density;
   r.support_density = s.support_density;
   r.support_angle_deg = s.support_angle_deg;
+  // Beside the part support keeps a gap; tips that bear no roof are apart.
+  const bool tips = s.support_style == toolpath::SupportStyle::tree && s.support_interface_layers == 0;
+  r.support_reach = std::max(s.support_xy_gap_mm, tips ? kTipShare * s.tree_tip_distance_mm : 0.0);
   r.support_z_gap = s.support_z_gap_mm;
   r.branch_angle_deg = s.support_style == toolpath::SupportStyle::tree
                            ? degrees(slope(s.tree_branch_angle_deg) + kBranchWidening)
@@ -72,6 +78,12 @@ Sliced sliced(const mesh::TriangleMesh& mesh, const pipeline::PrepareOptions& op
   out.filament_diameter = p.filament.diameter_mm;
   out.flow = p.filament.flow;
   return out;
+}
+
+mesh::TriangleMesh imported(const test::RealModel& model) {
+  mesh::ImportOptions options;
+  options.scale = model.scale;
+  return mesh::import_model(model.file, options).mesh;
 }
 
 Print read(const Sliced& part) {

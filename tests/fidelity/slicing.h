@@ -4,6 +4,7 @@
 #include "engine/pipeline/slice_part.h"
 #include "engine/run/context.h"
 #include "tests/fidelity/check.h"
+#include "tests/support/real_models.h"
 
 #include <string>
 #include <utility>
@@ -28,6 +29,9 @@ struct Sliced {
 /// As it stands.
 Sliced sliced(const mesh::TriangleMesh& mesh, const pipeline::PrepareOptions& options,
               const run::Context& ctx = {});
+
+/// A real part at the size it is printed in.
+mesh::TriangleMesh imported(const test::RealModel& model);
 
 /// The G-code as strands; whatever could not be understood is in the print's complaints.
 Print read(const Sliced& part);
