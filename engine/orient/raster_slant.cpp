@@ -15,12 +15,13 @@ namespace {
 
 /// Edges whose directions fall into the same cell of a grid of this many to a unit count as parallel.
 constexpr double kCellsToUnit = 24;
-/// No more directions than these are looked at, those with most edges.
+/// No more directions than these are looked at, those with most edges: of many more none matters much.
 constexpr std::size_t kMostDirections = 32;
-/// The slopes to choose from, either way. An edge crosses several rows at the least; at the most two thirds
-/// of the rows' length lie on the part.
+/// The slopes to choose from, either way: an edge along a main axis crosses several rows even at the least,
+/// and two thirds of the raster lie on the part's rectangle even at the most.
 constexpr std::array<float, 8> kSlopes{0.11F, 0.15F, 0.19F, 0.23F, 0.28F, 0.33F, 0.39F, 0.45F};
-/// An edge as long as the part that crosses the n-th part of so many rows is n times less hit or miss.
+/// Rows an edge as long as the part is wide is taken to meet if it ran straight across them: where it crosses
+/// n of them, what a strip along it adds is n times less a matter of luck.
 constexpr float kRows = 32;
 
 }  // namespace

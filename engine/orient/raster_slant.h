@@ -19,7 +19,8 @@ class RasterSlant {
   float best(const Projection& p) const;
 
  private:
-  /// Directions along which edges run. mm of outline to be expected of them.
+  /// Along the directions in which most edges run; as long as their share of the part's outline, mean over
+  /// all lines of sight. mm
   NearColumns edges_;
 };
 

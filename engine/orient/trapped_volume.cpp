@@ -12,7 +12,7 @@ namespace {
 
 /// Rows across the part. Along a row cells come four at a time, while every further row costs each facet a
 /// strip: so cells are narrower than rows.
-constexpr int kFewestRows = 48;
+constexpr int kFewestRows = 56;
 constexpr int kMostRowsAtFirst = 256;
 constexpr int kMostRows = 1024;
 constexpr int kCellsPerRow = 4;
@@ -20,7 +20,7 @@ constexpr int kCellsPerRow = 4;
 constexpr double kShareOfVolume = 0.01;
 constexpr double kShareOfBox = 0.005;
 /// The raster's standard error, reckoned from how much neighbouring rows differ, may be this share of that.
-constexpr double kStandardError = 0.3;
+constexpr double kStandardError = 0.25;
 
 /// How many rows will do where `rows` of them missed the bound by the factor `excess`. Errors fall at least
 /// with the power 1.5 of the number of rows. A tenth more, so that once more will mostly do.

@@ -37,9 +37,9 @@ struct TrappedVolume {
 /// border's length times the height hidden, and far less for a border that crosses many rows. So rows run
 /// where few edges run along them (RasterSlant) and keep step with no pattern (RasterRows). Then errors of
 /// rows are as good as independent and their differences tell them; the raster is refined until its standard
-/// error, reckoned from that, is below 0.3 of what V may be off by: 1 % of it or 0.5 % of the box around the
-/// part, as delivered or as seen along d, whichever is smaller. For -d the same holds with up and down
-/// exchanged; both come out of one pass.
+/// error, reckoned from that, is below a quarter of what V may be off by: 1 % of it or 0.5 % of the box
+/// around the part, as delivered or as seen along d, whichever is smaller. For -d the same holds with up and
+/// down exchanged; both come out of one pass.
 class TrappedVolumeRaster {
  public:
   /// Keeps a reference.
