@@ -15,8 +15,10 @@
 #include "engine/toolpath/region_ops.h"
 #include "engine/toolpath/sequence.h"
 #include "engine/toolpath/spiral_vase.h"
+#include "engine/toolpath/support_task.h"
 #include "engine/toolpath/supports.h"
 #include "engine/toolpath/surfaces.h"
+#include "engine/toolpath/tips.h"
 #include "engine/toolpath/unheld.h"
 
 #include <algorithm>
@@ -171,9 +173,13 @@ SampledPlan build_samples(const slice::LayerStack& cuts, const std::vector<Layer
   run::parallel_for(ctx, n, [&](std::size_t g) {
     const std::size_t i = groups[g].sample;
     LayerPlan& layer = plan.layers[below + g];
-    if (i > 0)
-      mark_overhangs(layer.paths, stack[i].regions, stack[i - 1].regions, beads[below + g].width_mm,
-                     settings.speed);
+    if (i > 0) {
+      const double width = beads[below + g].width_mm;
+      const std::size_t bearer = layer_below_gap(stack, i, s.support_z_gap_mm);
+      if (n == stack.size() && bearer < n)
+        trim_tips(layer.paths, stack[i].regions, stack[i - 1].regions, printed_area(supports[bearer]), width);
+      mark_overhangs(layer.paths, stack[i].regions, stack[i - 1].regions, width, settings.speed);
+    }
     layer.support = printed_area(supports[g]);
   });
   for (std::size_t g = 0; g < n; ++g)
