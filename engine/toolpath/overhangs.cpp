@@ -98,12 +98,13 @@ std::vector<Stretch> merged(std::vector<Stretch>&& stretches) {
   return out;
 }
 
-/// A loop whose seam hangs begins where it no longer does: what begins in the air holds to nothing.
+/// A loop whose seam hangs begins where it is carried best: what begins in the air holds to nothing.
 void begin_held(std::vector<Stretch>& loop, const std::vector<Band>& bands) {
-  const auto held = std::find_if(
-      loop.begin(), loop.end(), [&](const Stretch& s) { return s.band == 0 || !bands[s.band - 1].overhang; });
-  if (held == loop.begin() || held == loop.end()) return;
-  std::rotate(loop.begin(), held, loop.end());
+  if (loop.empty() || loop.front().band == 0 || !bands[loop.front().band - 1].overhang) return;
+  const auto best = std::min_element(loop.begin(), loop.end(),
+                                     [](const Stretch& a, const Stretch& b) { return a.band < b.band; });
+  if (best->band == loop.front().band) return;
+  std::rotate(loop.begin(), best, loop.end());
   loop = merged(std::move(loop));
 }
 

@@ -25,7 +25,7 @@ constexpr double kBridgeAnchorMm = 1.2;
 /// Neighbouring bridges take what is between them in this many steps.
 constexpr int kAnchorSteps = 4;
 /// What hangs over air by less than this many widths inside the walls is no bridge: the walls carry it.
-constexpr double kMinBridgeWidths = 1.0;
+constexpr double kMinBridgeWidths = 0.5;
 /// Sparse areas narrower than this many widths are filled solid.
 constexpr double kMinSparseWidths = 2.0;
 /// Heights that differ by less are equal, mm.

@@ -2,6 +2,7 @@
 
 #include "engine/geom/area_grid.h"
 #include "engine/geom/polygon_ops.h"
+#include "engine/toolpath/border.h"
 #include "engine/toolpath/region_ops.h"
 
 #include <algorithm>
@@ -20,16 +21,37 @@ constexpr double kCarried = 0.45;
 constexpr double kMaxTipMm = 0.4;
 /// What hangs further than this is no tip, mm: cutting it would take a piece of the part.
 constexpr double kMaxCutMm = 2.0;
+/// An end this far from ground, mm, goes on to it...
+constexpr double kMaxLeadMm = 0.7;
+/// ...and so far onto it...
+constexpr double kOntoGroundMm = 0.2;
+/// ...if its bead stays inside but for this, mm...
+constexpr double kOutsideMm = 0.04;
+/// ...and if that turns it by no more than this cosine tells.
+constexpr double kOnwards = 0.3;
 /// The outline hangs over by at least this, mm, where a line may.
 constexpr double kLeastHangMm = 0.1;
 
 /// Gap lines of a layer, chained where one goes on from another's end.
 class Chains {
  public:
-  Chains(std::vector<Path>& paths, const geom::AreaGrid& ground) : paths_(paths), ground_(ground) {
+  Chains(std::vector<Path>& paths, const geom::Regions& own, const geom::Regions& ground, double carried_mm)
+      : paths_(paths),
+        own_(own),
+        own_border_(own),
+        ground_(ground),
+        ground_border_(ground),
+        carrying_(geom::offset(ground, geom::from_mm(carried_mm))) {
     for (std::size_t i = 0; i < paths.size(); ++i)
       if (is_line(paths[i]))
         for (const bool back : {false, true}) ++at_[key(end(i, back))];
+  }
+
+  /// Ends that stop in the air just before ground go on to it.
+  void lead() {
+    for (std::size_t i = 0; i < paths_.size(); ++i)
+      for (const bool back : {false, true})
+        if (is_line(paths_[i]) && at_[key(end(i, back))] == 1) lead(i, back);
   }
 
   void trim() {
@@ -46,11 +68,31 @@ class Chains {
     return back ? paths_[i].points.back() : paths_[i].points.front();
   }
 
+  void lead(std::size_t i, bool back) {
+    geom::Polyline& line = paths_[i].points;
+    const geom::Point from = end(i, back);
+    if (ground_.contains(from)) return;
+    const geom::Point to = ground_border_.nearest(from, kMaxLeadMm);
+    const double way = geom::distance(from, to);
+    if (way <= 0) return;
+    const geom::Point& before = back ? line[line.size() - 2] : line[1];
+    const auto dx = static_cast<double>(to.x - from.x), dy = static_cast<double>(to.y - from.y);
+    const auto ux = static_cast<double>(from.x - before.x), uy = static_cast<double>(from.y - before.y);
+    if (dx * ux + dy * uy < kOnwards * way * std::hypot(ux, uy)) return;
+    const double t = 1 + kOntoGroundMm * geom::kNmPerMm / way;
+    const geom::Point onto{from.x + std::llround(t * dx), from.y + std::llround(t * dy)};
+    const double room = 0.5 * paths_[i].width_mm - kOutsideMm;
+    if (!own_.contains(from, onto) || (room > 0 && own_border_.distance_mm(onto, room) < room)) return;
+    line.insert(back ? line.end() : line.begin(), onto);
+    --at_[key(from)];
+    ++at_[key(onto)];
+  }
+
   /// Length from the end that hangs before the line finds ground, nm; all of it if it finds none.
   double hanging(std::size_t i, bool back, bool& found) const {
     geom::Polyline line = paths_[i].points;
     if (back) std::reverse(line.begin(), line.end());
-    const auto pieces = ground_.split(line);
+    const auto pieces = carrying_.split(line);
     found = pieces.size() > 1 || (!pieces.empty() && pieces.front().inside);
     return pieces.empty() || pieces.front().inside ? 0 : geom::length(pieces.front().points);
   }
@@ -76,7 +118,7 @@ class Chains {
       if (!more) return;  // held nowhere: not a tip
       chain.push_back(*more);
     }
-  double cut = hangs - kMaxTipMm * geom::kNmPerMm;
+    double cut = hangs - kMaxTipMm * geom::kNmPerMm;
     for (const auto& [k, b] : chain) {
       if (cut <= 0) return;
       cut_off(paths_[k].points, b, cut);
@@ -103,20 +145,25 @@ class Chains {
   }
 
   std::vector<Path>& paths_;
-  const geom::AreaGrid& ground_;
+  geom::AreaGrid own_;
+  Border own_border_;
+  geom::AreaGrid ground_;
+  Border ground_border_;
+  geom::AreaGrid carrying_;  ///< the ground, and what a line beside it still touches
   std::map<std::pair<geom::Coord, geom::Coord>, int> at_;  ///< how many ends lie there
 };
 
 }  // namespace
 
-void trim_tips(std::vector<Path>& paths, const geom::Regions& own, const geom::Regions& below,
+void hold_tips(std::vector<Path>& paths, const geom::Regions& own, const geom::Regions& below,
                const geom::Regions& support, double width_mm) {
   const bool any = std::any_of(paths.begin(), paths.end(),
                                [](const Path& p) { return p.role == Role::gap_fill && !p.closed; });
   if (!any || own == below) return;
   if (quick_subtract(own, geom::offset(below, geom::from_mm(kLeastHangMm))).empty()) return;
-  const geom::AreaGrid ground(quick_unite(geom::offset(below, geom::from_mm(kCarried * width_mm)), support));
-  Chains(paths, ground).trim();
+  Chains chains(paths, own, quick_unite(below, support), kCarried * width_mm);
+  chains.lead();
+  chains.trim();
 }
 
 }  // namespace voidpath::toolpath

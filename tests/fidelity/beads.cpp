@@ -234,7 +234,12 @@ class Interpreter {
     }
     layer.implied +=
         length * (r.width > height ? (r.width - height * kRoundEnds) * height : kPi / 4 * r.width * height);
-    if (length < kLeastLength) return;
+    if (length < kLeastLength) {
+      // It says nothing about a width, but the strand goes on through it.
+      if (!layer.beads.empty() && layer.beads.back().x1 == r.x0 && layer.beads.back().y1 == r.y0)
+        layer.beads.back().x1 = r.x1, layer.beads.back().y1 = r.y1;
+      return;
+    }
     const double area = r.volume / length;
     double width = area / height + height * kRoundEnds;
     if (width < height) width = area / (kPi / 4 * height);
