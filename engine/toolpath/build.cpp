@@ -177,7 +177,7 @@ SampledPlan build_samples(const slice::LayerStack& cuts, const std::vector<Layer
       const double width = beads[below + g].width_mm;
       const std::size_t bearer = layer_below_gap(stack, i, s.support_z_gap_mm);
       if (n == stack.size() && bearer < n)
-        hold_tips(layer.paths, stack[i].regions, stack[i - 1].regions, printed_area(supports[bearer]), width);
+        hold_tips(layer.paths, stack[i].regions, stack[i - 1].regions, printed_area(supports[bearer]));
       mark_overhangs(layer.paths, stack[i].regions, stack[i - 1].regions, width, settings.speed);
     }
     layer.support = printed_area(supports[g]);

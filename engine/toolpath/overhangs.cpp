@@ -16,6 +16,8 @@ using geom::from_mm;
 
 /// Stretches shorter than this stay part of their wall, mm: slowing takes a way of its own.
 constexpr double kMinStretchMm = 0.5;
+/// What is carried by nothing is named from this length on, mm: it gets the fan.
+constexpr double kMinHangingMm = 0.3;
 /// A bead this much of which hangs is no longer carried, but hangs between its ends.
 constexpr double kHanging = 0.75;
 /// The outline steps out by at least this share of what its outer bead's middle does; less is not looked at.
@@ -86,10 +88,11 @@ class Carrier {
 };
 
 /// Stretches that are too short join the one before them, and equal ones each other.
-std::vector<Stretch> merged(std::vector<Stretch>&& stretches) {
+std::vector<Stretch> merged(std::vector<Stretch>&& stretches, const std::vector<Band>& bands) {
   std::vector<Stretch> out;
   for (auto& s : stretches) {
-    const bool is_short = geom::length(s.points) < kMinStretchMm * geom::kNmPerMm;
+    const bool hangs = s.band > 0 && bands[s.band - 1].overhang;
+    const bool is_short = geom::length(s.points) < (hangs ? kMinHangingMm : kMinStretchMm) * geom::kNmPerMm;
     if (!out.empty() && (is_short || out.back().band == s.band))
       out.back().points.insert(out.back().points.end(), s.points.begin() + 1, s.points.end());
     else
@@ -105,7 +108,7 @@ void begin_held(std::vector<Stretch>& loop, const std::vector<Band>& bands) {
                                      [](const Stretch& a, const Stretch& b) { return a.band < b.band; });
   if (best->band == loop.front().band) return;
   std::rotate(loop.begin(), best, loop.end());
-  loop = merged(std::move(loop));
+  loop = merged(std::move(loop), bands);
 }
 
 void put_in_band(Path& path, std::size_t band, const std::vector<Band>& bands) {
@@ -142,7 +145,7 @@ void mark_overhangs(std::vector<Path>& paths, const geom::Regions& own, const ge
     }
     geom::Polyline line = path.points;
     if (path.closed) line.push_back(line.front());
-    std::vector<Stretch> stretches = merged(carrier.split(line));
+    std::vector<Stretch> stretches = merged(carrier.split(line), bands);
     if (path.closed) begin_held(stretches, bands);
     if (stretches.size() <= 1) {
       if (!stretches.empty()) put_in_band(path, stretches.front().band, bands);

@@ -7,11 +7,11 @@
 
 namespace voidpath::toolpath {
 
-/// Gap lines that stop in the air just before ground go on to it; those that run out into the air are cut to
-/// what the bead before carries: a long tip would only curl up.
+/// Gap lines that stop in the air just before ground go on to it: their ends keep inside the area that they
+/// fill, and may hold on to nothing there.
 /// `own` and `below`: the outlines of this layer and of the one underneath. `support`: what holds from a gap
 /// below.
 void hold_tips(std::vector<Path>& paths, const geom::Regions& own, const geom::Regions& below,
-               const geom::Regions& support, double width_mm);
+               const geom::Regions& support);
 
 }  // namespace voidpath::toolpath

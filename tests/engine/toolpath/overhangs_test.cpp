@@ -95,10 +95,9 @@ TEST_CASE("small loops keep to their speed, large ones to the wall's") {
   }
 }
 
-TEST_CASE("gap lines reach for ground that is near, and no long tip of them is left in the air") {
+TEST_CASE("gap lines reach for ground that is near") {
   const geom::Regions own{rectangle(50, 50, 80, 52)};
   const geom::Regions below{rectangle(50, 50, 60, 52), rectangle(70, 50, 80, 52)};
-  constexpr double kCarried = 0.45 * 0.45;  // from the border of what is below
   // Along x, in pieces that go on from one another, as a gap's changing width makes them.
   const auto held = [&](std::vector<double> xs, const geom::Regions& support = {}) {
     std::vector<toolpath::Path> paths;
@@ -108,7 +107,7 @@ TEST_CASE("gap lines reach for ground that is near, and no long tip of them is l
       path.points = {{from_mm(xs[i]), from_mm(51)}, {from_mm(xs[i + 1]), from_mm(51)}};
       paths.push_back(path);
     }
-    toolpath::hold_tips(paths, own, below, support, 0.45);
+    toolpath::hold_tips(paths, own, below, support);
     std::pair<double, double> reach{1e9, -1e9};
     for (const auto& path : paths)
       for (const auto& p : path.points) {
@@ -117,12 +116,9 @@ TEST_CASE("gap lines reach for ground that is near, and no long tip of them is l
       }
     return reach;
   };
-  CHECK(held({55, 60.5}).second == Approx(60.5));                             // a short tip stays
-  CHECK(held({55, 61.5}).second == Approx(60 + kCarried + 0.4));              // a longer one is cut
-  CHECK(held({55, 60.3, 60.9, 61.5}).second == Approx(60 + kCarried + 0.4));  // piece by piece
-  CHECK(held({61.5, 60.9, 55}).second == Approx(60 + kCarried + 0.4));        // from either end
-  CHECK(held({55, 64}).second == Approx(64));  // no tip, but a part of the part
-  CHECK(held({55, 61.5}, {rectangle(60, 50, 62, 52)}).second == Approx(61.5));
+  CHECK(held({55, 60.5}).second == Approx(60.5));  // never back
+  CHECK(held({55, 64}).second == Approx(64));      // too far
+  CHECK(held({55, 69.4}, {rectangle(60, 50, 70, 52)}).second == Approx(69.4));
   CHECK(held({55, 75}) == std::pair{55.0, 75.0});
   CHECK(held({55, 69.4}).second == Approx(70 + 0.2));  // goes on to ground
   const auto both = held({60.6, 65, 69.5});
