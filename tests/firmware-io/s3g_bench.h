@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,8 +17,10 @@ namespace voidpath::test {
 class S3gBench {
  public:
   explicit S3gBench(const mock::S3gOptions& printer = {}, fw::s3g::DriverOptions options = {})
-      : mock(printer),
-        driver(options, clock, recorder, [this](const fw::Event& event) { events.push_back(event); }) {
+      : mock(printer), driver(options, clock, recorder, [this](const fw::Event& event) {
+          ++counts_[event.what.index()];
+          events.push_back(event);
+        }) {
     mock.on_payload([this](const std::string& payload) { executed.push_back(payload); });
     driver.opened(0);
   }
@@ -51,8 +54,8 @@ class S3gBench {
 
   template <typename T>
   int count() const {
-    return static_cast<int>(std::count_if(
-        events.begin(), events.end(), [](const fw::Event& e) { return std::holds_alternative<T>(e.what); }));
+    const auto found = counts_.find(decltype(fw::Event::what)(T{}).index());
+    return found == counts_.end() ? 0 : found->second;
   }
   template <typename T>
   const fw::Event* first() const {
@@ -81,11 +84,17 @@ class S3gBench {
   double t = 0;
   double longest_stall_s = 0;  ///< motors at rest for want of moves, while a print was being fed
   std::function<void()> each_step;
+  std::function<void(const std::string&)> on_output;  ///< what the driver writes
 
  private:
+  std::map<std::size_t, int> counts_;  ///< by kind
+
   void step() {
     std::string& output = driver.output();
-    if (!output.empty()) mock.feed(std::exchange(output, {}));
+    if (!output.empty()) {
+      if (on_output) on_output(output);
+      mock.feed(std::exchange(output, {}));
+    }
     std::string input = mock.take_output();
     if (!input.empty()) driver.received(input, t);
     if (t >= driver.deadline()) driver.elapsed(t);

@@ -44,6 +44,8 @@ SoakPrint play(const mock::Options& options, std::vector<std::string> file, cons
 
 /// A print, a printer and its faults, drawn by the seed.
 SoakPrint soak_print(std::uint64_t seed, const SoakTrace& trace = {});
+/// The same of a MakerBot over S3G.
+SoakPrint s3g_soak_print(std::uint64_t seed);
 /// Only flipped bytes, both ways, one in 10 kB, on a Marlin at 115200.
 SoakPrint noisy_print(std::uint64_t seed, const SoakTrace& trace = {});
 

@@ -327,7 +327,8 @@ double MockS3g::next_event() const {
   if (now_ < boot_until_) next = std::min(next, boot_until_);
   if (silent_until_ > now_) next = std::min(next, silent_until_);
   if (packet_state_ != 0) next = std::min(next, packet_begun_ + kPacketTimeout);
-  if (until_ >= 0 && !paused_) next = std::min(next, until_);
+  const bool runs = !paused_ && !heat_shutdown_ && now_ >= boot_until_ && now_ >= silent_until_;
+  if (until_ >= 0 && runs) next = std::min(next, until_);
   if (resume_at_ >= 0) next = std::min(next, resume_at_);
   bool heats = bed_.heater().target() > 0;
   for (const GuardedHeater& hotend : hotends_) heats = heats || hotend.heater().target() > 0;

@@ -1,5 +1,5 @@
-// Prints through every fault the mock knows, by the thousand: soak [COUNT [FIRST_SEED]]; one of them with its
-// whole dialogue: soak show|noisy SEED.
+// Prints through every fault the mock knows, by the thousand: soak [s3g] [COUNT [FIRST_SEED]]; one of them
+// with its whole dialogue: soak show|noisy SEED.
 #include "tests/firmware-io/soak.h"
 
 #include <cstdio>
@@ -24,12 +24,14 @@ int main(int argc, char** argv) {
     std::printf("%s / %s / %s\n", print.what.c_str(), print.violation.c_str(), print.reason.c_str());
     return print.violation.empty() ? 0 : 1;
   }
+  const bool s3g = argc > 1 && std::string(argv[1]) == "s3g";
+  if (s3g) --argc, ++argv;
   const std::uint64_t count = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 10000;
   const std::uint64_t first = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
   std::uint64_t finished = 0, paused = 0, violations = 0, invisible = 0, noticed = 0, resends = 0;
   std::map<std::string, std::vector<std::uint64_t>> reasons;
   for (std::uint64_t seed = first; seed < first + count; ++seed) {
-    const SoakPrint print = soak_print(seed);
+    const SoakPrint print = s3g ? s3g_soak_print(seed) : soak_print(seed);
     finished += print.finished ? 1u : 0u;
     resends += print.resends;
     if (print.invisible > 0) ++invisible, noticed += print.noticed || !print.finished ? 1u : 0u;
