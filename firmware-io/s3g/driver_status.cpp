@@ -40,6 +40,11 @@ Query query_of(const Answer& answer) {
   return static_cast<Query>(static_cast<unsigned char>(answer.query.at(0)));
 }
 
+bool tells_of_heater_failure(const Answer& answer) {
+  return query_of(answer) == Query::board_status && answer.code == ReplyCode::ok &&
+         (little_endian(answer.data, 0, 1) & kHeatShutdown) != 0;
+}
+
 }  // namespace
 
 void Driver::opened(double t) {
@@ -129,6 +134,7 @@ void Driver::on_answer(const Answer& answer, double t) {
   if (answer.code == ReplyCode::cancelled || answer.code == ReplyCode::heater_failure) {
     return on_refused({{}, answer.code}, t);
   }
+  if (tells_of_heater_failure(answer)) return on_refused({{}, ReplyCode::heater_failure}, t);
   if (asked_room_) return on_room(answer, t);
   if (asked_by_job_) {
     if (job_) job_->on_answer(answer, t);
@@ -150,7 +156,6 @@ void Driver::on_status(const Answer& answer, double t) {
       return on_build(answer, t);
     case Query::board_status: {
       const auto status = little_endian(answer.data, 0, 1);
-      if ((status & kHeatShutdown) != 0) return on_refused({{}, ReplyCode::heater_failure}, t);
       if ((status & kPowerError) != 0 && job_)
         emit(Message{"the printer reports a fault of its power supply"});
       emit(Temperatures{sensors_});  // asked last of a round

@@ -15,9 +15,10 @@ constexpr int kMostGlances = 8;
 constexpr std::size_t kPositionBytes = 1 + 4 * kAxes + 2;
 constexpr std::size_t kBuildBytes = 1 + 1 + 1 + 1 + 4 + 4;
 
+// A code that nobody knows is damage that the checksum does not show: one in 256 passes.
 bool means_try_again(ReplyCode code) {
-  return code == ReplyCode::generic_error || code == ReplyCode::bad_crc || code == ReplyCode::too_long ||
-         code == ReplyCode::packet_timeout || code == ReplyCode::tool_lock ||
+  return code > ReplyCode::packet_timeout || code == ReplyCode::generic_error || code == ReplyCode::bad_crc ||
+         code == ReplyCode::too_long || code == ReplyCode::packet_timeout || code == ReplyCode::tool_lock ||
          code == ReplyCode::downstream_timeout;
 }
 

@@ -49,6 +49,8 @@ std::optional<Question> PrintJob::question(double t) {
       return tool_question(0, ToolQuery::bed_ready);
     case Wait::build:
       return Question{Payload(Query::build).bytes(), kBuildBytes};
+    case Wait::board:
+      return Question{Payload(Query::board_status).bytes(), 2};
     case Wait::stopped:
       return Question{Payload(Query::stop).u8(kStopAndClear).bytes(), 0};
     case Wait::extruders:
@@ -76,7 +78,8 @@ void PrintJob::on_answer(const Answer& answer, double t) {
     case Wait::tool:
     case Wait::bed:
       // Some firmware is "finished" while it waits, some is "ready" before it is done.
-      if (query == Query::tool && (yes || answer.code == ReplyCode::unsupported)) wait_ = Wait::rest, ask_t_ = t;
+      if (query == Query::tool && (yes || answer.code == ReplyCode::unsupported))
+        wait_ = Wait::rest, ask_t_ = t;
       return;
     case Wait::extruders:
       if (query != Query::position) return;
@@ -87,7 +90,13 @@ void PrintJob::on_answer(const Answer& answer, double t) {
       return;
     case Wait::build:
       // Old firmware does not know the question.
-      if (query == Query::build) on_build(good ? static_cast<BuildState>(answer.data.at(0)) : BuildState::done);
+      if (query == Query::build)
+        on_build(good ? static_cast<BuildState>(answer.data.at(0)) : BuildState::done);
+      return;
+    // Whether the heaters still were on: the driver has looked. With no command left to refuse, a printer
+    // that shut them down would only seem to have done everything.
+    case Wait::board:
+      if (query == Query::board_status) finish(PrintFinished{});
       return;
     case Wait::stopped:
       if (query != Query::stop) return;
@@ -126,7 +135,7 @@ void PrintJob::on_build(BuildState state) {
   wait_ = Wait::none;
   if (state == BuildState::none) return fail_softly("the printer restarted in mid-print");
   build_seen_ = true;
-  if (state_ == State::finishing && pending_.empty()) finish(PrintFinished{});
+  if (state_ == State::finishing && pending_.empty()) wait_ = Wait::board, ask_t_ = 0;
 }
 
 std::optional<Action> PrintJob::next() {

@@ -65,7 +65,7 @@ class PrintJob {
 
  private:
   enum class State { starting, feeding, paused, finishing, stopping, ending, over };
-  enum class Wait { none, rest, tool, bed, extruders, build, stopped, position };
+  enum class Wait { none, rest, tool, bed, extruders, build, board, stopped, position };
   static constexpr double kNever_t = 1e300;
 
   bool asks() const noexcept { return state_ != State::over && wait_ != Wait::none; }

@@ -52,6 +52,8 @@ class S3gBench {
     return run_until([&] { return over(); }, seconds);
   }
 
+  void forget_events() { events.clear(), counts_.clear(); }
+
   template <typename T>
   int count() const {
     const auto found = counts_.find(decltype(fw::Event::what)(T{}).index());

@@ -266,6 +266,21 @@ TEST_CASE("M0 pauses until the user goes on", "[s3g]") {
   check_executed(bench, file);
 }
 
+TEST_CASE("heaters shut down with nothing left to send are noticed before the print counts as finished",
+          "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  bench.print(kStart + moves(30) + kEnd);
+  // The last answer to the board's status is from before, and all has been queued.
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() > 30 && bench.mock.queued_bytes() > 0; }));
+  bench.each_step = [&] {
+    if (bench.mock.drained() && bench.mock.queued_bytes() == 0) bench.mock.shut_heaters_down();
+  };
+  REQUIRE(bench.run_until([&] { return bench.over(); }));
+  CHECK(bench.count<PrintFinished>() == 0);
+  CHECK(bench.failure().find("heaters") != std::string::npos);
+}
+
 TEST_CASE("a cancel at the panel cancels", "[s3g]") {
   S3gBench bench(real_wire());
   REQUIRE(bench.connect());
@@ -276,7 +291,7 @@ TEST_CASE("a cancel at the panel cancels", "[s3g]") {
   CHECK(bench.count<PrintCancelled>() == 1);
   CHECK(bench.said("panel"));
   // And the next print runs.
-  bench.events.clear();
+  bench.forget_events();
   bench.executed.clear();
   const Lines file = kStart + moves(30) + kEnd;
   REQUIRE(bench.print_through(file));
@@ -439,7 +454,7 @@ TEST_CASE("temperatures are told while idle, heating and printing", "[s3g]") {
   REQUIRE(bench.connect());
   bench.run_for(11);
   CHECK(bench.count<Temperatures>() >= 2);
-  bench.events.clear();
+  bench.forget_events();
   bench.print(kStart + moves(3000));
   bench.run_for(60);
   CHECK(bench.count<Temperatures>() >= 20);

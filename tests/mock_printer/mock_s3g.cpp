@@ -278,9 +278,7 @@ void MockS3g::apply(const Fault& fault) {
     case FaultKind::kReset:
       return reset();
     case FaultKind::kHalt:
-      stop_all();
-      heat_shutdown_ = true;
-      return;
+      return shut_heaters_down();
     case FaultKind::kUnplug:
       unplug_ = fault.seconds;
       return;
@@ -312,6 +310,11 @@ void MockS3g::apply(const Fault& fault) {
 void MockS3g::press_pause() {
   if (build_ != 1) return;
   paused_ = !paused_;
+}
+
+void MockS3g::shut_heaters_down() {
+  stop_all();
+  heat_shutdown_ = true;
 }
 
 void MockS3g::cancel_at_panel() {
@@ -371,9 +374,7 @@ void MockS3g::tick_second() {
   next_second_ = now_ + 1;
   bool failed = bed_.check(now_).has_value();
   for (GuardedHeater& hotend : hotends_) failed = hotend.check(now_).has_value() || failed;
-  if (!failed) return;
-  stop_all();
-  heat_shutdown_ = true;
+  if (failed) shut_heaters_down();
 }
 
 std::string MockS3g::take_output() { return std::exchange(ready_out_, {}); }

@@ -44,6 +44,8 @@ class MockS3g final : public Firmware {
   /// The button at the panel.
   void press_pause();
   void cancel_at_panel();
+  /// As its guards do when a heater or a sensor fails.
+  void shut_heaters_down();
   void fail_heater() { heat_shutdown_ = true; }
   bool paused() const { return paused_; }
   std::uint64_t aborts() const { return aborts_; }
