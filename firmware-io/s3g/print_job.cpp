@@ -135,7 +135,13 @@ void PrintJob::on_build(BuildState state) {
   wait_ = Wait::none;
   if (state == BuildState::none) return fail_softly("the printer restarted in mid-print");
   build_seen_ = true;
-  if (state_ == State::finishing && pending_.empty()) wait_ = Wait::board, ask_t_ = 0;
+  if (state_ != State::finishing || !pending_.empty()) return;
+  if (state == BuildState::cancelled) {
+    emit_(Message{"cancelled at the printer's panel"});
+    return finish(PrintCancelled{});
+  }
+  wait_ = Wait::board;
+  ask_t_ = 0;
 }
 
 std::optional<Action> PrintJob::next() {

@@ -266,6 +266,19 @@ TEST_CASE("M0 pauses until the user goes on", "[s3g]") {
   check_executed(bench, file);
 }
 
+TEST_CASE("a cancel at the panel when all has been sent is no finished print", "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  bench.print(kStart + moves(30) + kEnd);
+  bench.each_step = [&] {
+    const bool sent = bench.count<LineDone>() > 30 && bench.mock.queued_bytes() > 0;
+    if (sent && bench.driver.output().empty()) bench.mock.cancel_at_panel();
+  };
+  REQUIRE(bench.run_until([&] { return bench.over(); }));
+  CHECK(bench.count<PrintFinished>() == 0);
+  CHECK(bench.count<PrintCancelled>() == 1);
+}
+
 TEST_CASE("heaters shut down with nothing left to send are noticed before the print counts as finished",
           "[s3g]") {
   S3gBench bench(real_wire());
