@@ -141,6 +141,7 @@ Json history_json(const PrintRecord& record) {
       .set("reason", record.reason)
       .set("why", facts.why)
       .set("resends", record.resends)
+      .set("doubts", record.doubts)
       .set("layer_times", std::move(layers));
 }
 

@@ -129,6 +129,7 @@ struct PrintRecord {
   double paused_s = 0;
   std::optional<double> total_s;
   std::uint64_t resends = 0;
+  std::uint64_t doubts = 0;  ///< signs that the printer obeyed a damaged line
   std::vector<double> layer_measured_s;  ///< beside facts.layer_times; NaN where not known
 };
 

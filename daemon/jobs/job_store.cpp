@@ -10,7 +10,9 @@
 namespace voidpath::daemon {
 namespace {
 
-constexpr int kSchemaVersion = 1;
+constexpr int kSchemaVersion = 2;
+/// From this one on a print's record tells of doubts.
+constexpr int kSchemaWithDoubts = 2;
 /// Events kept; older ones go.
 constexpr int kKeptEvents = 5000;
 /// How often old events are dropped, in events.
@@ -21,7 +23,7 @@ constexpr const char* kJobColumns =
     "copies_done, options, facts, message, filed, received";
 constexpr const char* kPrintColumns =
     "id, job, file, started, ended, state, reason, printer, firmware, measured_s, heating_s, paused_s, "
-    "total_s, resends, layer_s, facts";
+    "total_s, resends, layer_s, facts, doubts";
 
 Job read_job(const Statement& row) {
   Job job;
@@ -66,6 +68,7 @@ PrintRecord read_record(const Statement& row) {
   record.resends = static_cast<std::uint64_t>(row.integer(13));
   record.layer_measured_s = numbers_from(row.text(14));
   record.facts = facts_from(row.text(15));
+  record.doubts = static_cast<std::uint64_t>(row.integer(16));
   return record;
 }
 
@@ -84,6 +87,7 @@ void bind_record(Statement& row, const PrintRecord& record) {
   row.bind(record.facts.predicted_raw_s).bind(record.measured_s).bind(record.heating_s);
   row.bind(record.paused_s).bind(record.total_s).bind(static_cast<std::int64_t>(record.resends));
   row.bind(to_text(record.layer_measured_s)).bind(to_text(record.facts));
+  row.bind(static_cast<std::int64_t>(record.doubts));
 }
 
 }  // namespace
@@ -99,6 +103,8 @@ JobStore::JobStore(const std::filesystem::path& file) : database_(file) {
   }
   Transaction change(database_);
   database_.execute(kSchema);
+  if (found > 0 && found < kSchemaWithDoubts)
+    database_.execute("ALTER TABLE prints ADD COLUMN doubts INTEGER NOT NULL DEFAULT 0");
   database_.execute(("PRAGMA user_version=" + std::to_string(kSchemaVersion)).c_str());
   change.commit();
 }
@@ -190,8 +196,8 @@ void JobStore::close_record(PrintRecord& record) {
   if (record.id == 0) {
     auto row = database_.prepare(
         "INSERT INTO prints (job, file, started, ended, state, reason, printer, firmware, profile_sha256, "
-        "predicted_raw_s, measured_s, heating_s, paused_s, total_s, resends, layer_s, facts) "
-        "VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
+        "predicted_raw_s, measured_s, heating_s, paused_s, total_s, resends, layer_s, facts, doubts) "
+        "VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
     bind_record(row, record);
     row.run();
     record.id = database_.last_id();
@@ -200,7 +206,7 @@ void JobStore::close_record(PrintRecord& record) {
   auto row = database_.prepare(
       "UPDATE prints SET job=?, file=?, started=?, ended=?, state=?, reason=?, printer=?, firmware=?, "
       "profile_sha256=?, predicted_raw_s=?, measured_s=?, heating_s=?, paused_s=?, total_s=?, resends=?, "
-      "layer_s=?, facts=? WHERE id=?");
+      "layer_s=?, facts=?, doubts=? WHERE id=?");
   bind_record(row, record);
   row.bind(record.id).run();
 }

@@ -197,6 +197,7 @@ void take_times(PrintRecord& record, const PrintTimer& timer) {
   record.paused_s = timer.paused_s();
   record.total_s = timer.total_s();
   record.resends = timer.resends();
+  record.doubts = timer.doubts();
   record.layer_measured_s = timer.layer_s();
 }
 

@@ -90,6 +90,9 @@ std::string report_text(const Job& job, const PrintRecord& record) {
     line("heating", duration(record.heating_s));
     line("total", duration(*record.total_s));
   }
+  if (record.doubts > 0)
+    line("doubts",
+         std::to_string(record.doubts) + " signs that the printer obeyed a line damaged on its way");
   for (const auto& note : facts.notes) line("note", note);
   return out;
 }

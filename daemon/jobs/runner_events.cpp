@@ -30,6 +30,7 @@ void Runner::on_printer_event(Printer& printer, const fw::Event& event) {
     s_.log.info("stats", {{"printer", printer.name()},
                           {"lines", std::to_string(stats->lines_sent)},
                           {"resends", std::to_string(stats->resends)},
+                          {"doubts", std::to_string(stats->doubts)},
                           {"bytes", std::to_string(stats->bytes_sent)},
                           {"window", std::to_string(stats->window_bytes)}});
   }

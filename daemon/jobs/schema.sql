@@ -54,7 +54,8 @@ CREATE TABLE IF NOT EXISTS prints (
   total_s         REAL,
   resends         INTEGER NOT NULL,
   layer_s         TEXT NOT NULL,          -- JSON, measured, beside the layers of facts
-  facts           TEXT NOT NULL           -- JSON
+  facts           TEXT NOT NULL,          -- JSON
+  doubts          INTEGER NOT NULL DEFAULT 0
 );
 CREATE INDEX IF NOT EXISTS prints_calibration ON prints (printer, profile_sha256, firmware) WHERE state = 'done';
 

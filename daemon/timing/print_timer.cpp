@@ -51,6 +51,7 @@ void PrintTimer::on(const fw::Event& event) {
     enter_layer(done->index, now);
   } else if (const auto* stats = std::get_if<fw::LinkStats>(&event.what)) {
     resends_ = stats->resends;
+    doubts_ = stats->doubts;
   } else if (std::holds_alternative<fw::PrintFinished>(event.what) ||
              std::holds_alternative<fw::PrintCancelled>(event.what) ||
              std::holds_alternative<fw::PrintFailed>(event.what) ||

@@ -23,6 +23,7 @@ class PrintTimer {
   double paused_s() const noexcept { return paused_total_s_; }
   std::optional<double> total_s() const;
   std::uint64_t resends() const noexcept { return resends_; }
+  std::uint64_t doubts() const noexcept { return doubts_; }
   /// s per layer, NaN where its bounds were not seen. Acknowledgements run ahead of the motion by what the
   /// printer buffers, at the start of a layer as at its end.
   std::vector<double> layer_s() const;
@@ -51,6 +52,7 @@ class PrintTimer {
   std::uint32_t line_ = 0;
   std::size_t current_layer_ = 0;
   std::uint64_t resends_ = 0;
+  std::uint64_t doubts_ = 0;
 };
 
 }  // namespace voidpath::daemon

@@ -62,6 +62,7 @@ Json printer_json(const Runner& runner, const Printer& printer) {
       .set("left_s", printing ? Json(job->facts.predicted_s * (1 - progress)) : Json())
       .set("layer", printing ? Json(printer.timer()->layer()) : Json())
       .set("resends", printing ? Json(printer.link().resends) : Json())
+      .set("doubts", printing ? Json(printer.link().doubts) : Json())
       .set("next", next ? job_json(*next) : Json())
       .set("waiting", runner.waiting_reason(printer))
       .set("pins", pins_json(printer))

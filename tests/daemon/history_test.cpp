@@ -1,4 +1,5 @@
 #include "daemon/jobs/filing.h"
+#include "daemon/jobs/report_text.h"
 #include "tests/daemon/temp_dir.h"
 
 #include <algorithm>
@@ -135,4 +136,12 @@ TEST_CASE("JSON text survives a round trip, strange characters too") {
   }
   CHECK(Json::parse(Json("bad \xff\xc3 utf").dump()).text() == "bad \xEF\xBF\xBD\xEF\xBF\xBD utf");
   CHECK_THROWS_AS(Json::parse("{\"a\":"), JsonError);
+}
+
+TEST_CASE("signs that a damaged line was obeyed stand in the history and, if there are any, in the report") {
+  PrintRecord record = full();
+  CHECK(report_text({}, record).find("doubts") == std::string::npos);
+  record.doubts = 2;
+  CHECK(history_json(record)["doubts"].integer() == 2);
+  CHECK(report_text({}, record).find("doubts: 2 signs") != std::string::npos);
 }

@@ -1,5 +1,6 @@
 #include "daemon/jobs/job_store.h"
 
+#include "daemon/jobs/database.h"
 #include "tests/daemon/temp_dir.h"
 
 #include <algorithm>
@@ -233,15 +234,38 @@ TEST_CASE("history keeps what was measured, unknown layers as unknown") {
   CHECK(store.last_record_of(5)->state == "open");
   record.state = "done";
   record.measured_s = 1250.25;
+  record.doubts = 3;
   record.layer_measured_s = {600.5, std::numeric_limits<double>::quiet_NaN()};
   store.close_record(record);
   const auto history = store.history();
   REQUIRE(history.size() == 1);
   CHECK(history[0].measured_s == 1250.25);
+  CHECK(history[0].doubts == 3);
   CHECK_FALSE(history[0].total_s);
   REQUIRE(history[0].layer_measured_s.size() == 2);
   CHECK(history[0].layer_measured_s[0] == 600.5);
   CHECK(std::isnan(history[0].layer_measured_s[1]));
+}
+
+TEST_CASE("a database from before doubts were counted keeps its prints, which have none") {
+  TempDir dir;
+  PrintRecord record;
+  record.job = 5;
+  {
+    JobStore store(dir / "db");
+    store.open_record(record);
+  }
+  {
+    Database before(dir / "db");
+    before.execute("ALTER TABLE prints DROP COLUMN doubts");
+    before.execute("PRAGMA user_version=1");
+  }
+  JobStore store(dir / "db");
+  REQUIRE(store.last_record_of(5));
+  CHECK(store.last_record_of(5)->doubts == 0);
+  record.doubts = 2;
+  store.close_record(record);
+  CHECK(store.last_record_of(5)->doubts == 2);
 }
 
 TEST_CASE("observations are those of the same printer, settings and firmware") {
