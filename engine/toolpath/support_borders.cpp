@@ -7,8 +7,10 @@
 #include "engine/toolpath/region_ops.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <utility>
 
 namespace voidpath::toolpath {
@@ -35,7 +37,10 @@ constexpr geom::Coord kSlack = 5000;
 /// Shorter stretches of border need no line, mm.
 constexpr double kLeastCapMm = 0.8;
 /// Border further from the last line than this share of their distance is printed.
-constexpr double kCapShare = 0.5;
+constexpr double kCapShare = 0.65;
+/// Places for the lines that are tried, and layers they are tried on.
+constexpr std::size_t kShifts = 12;
+constexpr std::size_t kLooks = 60;
 constexpr double kMm2 = geom::kNmPerMm * geom::kNmPerMm;
 
 double line_spacing_mm(const SliceSettings& s) { return bead_spacing_mm(s.line_width_mm, s.layer_height_mm); }
@@ -52,57 +57,70 @@ Regions narrow_parts(const geom::Region& area, double apart_mm, double line_mm) 
                             kMinRestMm2 * kMm2);
 }
 
-geom::Coord row_of(geom::Coord y, double apart) {
-  return static_cast<geom::Coord>(std::floor(static_cast<double>(y) / apart));
-}
+/// Lines along x, nm: one goes through y = `shift`.
+struct Lines {
+  double apart = 0;
+  double shift = 0;
 
-/// Of a stretch of border between two lines: how much of it runs along the lines, further than half of what
-/// those are apart from the one on its inner side. nm
-double unlined(const geom::Polyline& stretch, double apart) {
+  geom::Coord row_of(geom::Coord y) const {
+    return static_cast<geom::Coord>(std::floor((static_cast<double>(y) - shift) / apart));
+  }
+  double line(geom::Coord row) const { return static_cast<double>(row) * apart + shift; }
+};
+
+/// Of a stretch of border between two lines: how much of it runs along the lines, too far from the one on
+/// its inner side. nm
+double unlined(const geom::Polyline& stretch, const Lines& lines) {
   double sum = 0;
   for (std::size_t i = 1; i < stretch.size(); ++i) {
     const geom::Point &a = stretch[i - 1], &b = stretch[i];
     const auto dx = static_cast<double>(b.x - a.x), dy = static_cast<double>(b.y - a.y);
     if (std::abs(dy) > std::abs(dx)) continue;
     // What is to be held lies to the left: above where the border runs along x.
-    const double y = 0.5 * static_cast<double>(a.y + b.y);
-    const double over = y - std::floor(y / apart) * apart;
-    if ((dx > 0 ? apart - over : over) > kCapShare * apart) sum += std::abs(dx);
+    const geom::Coord y = (a.y + b.y) / 2;
+    const double over = static_cast<double>(y) - lines.line(lines.row_of(y));
+    if ((dx > 0 ? lines.apart - over : over) > kCapShare * lines.apart) sum += std::abs(dx);
   }
   return sum;
 }
 
-/// Of an area of line centres: its border, from line to line, where it is further from the last line than
-/// half a spacing. Lines run along x on a lattice through the plate's origin.
-geom::Polylines caps_of(const geom::Region& domain, double apart) {
-  geom::Polylines out;
+/// The border of an area from line to line, piece by piece; `visit` may take them.
+template <class Visit>
+void each_stretch(const geom::Region& domain, const Lines& lines, Visit&& visit) {
   for (const geom::Ring& ring : geom::rings_of({domain})) {
     // The ring begins after a crossing, or has none.
     std::size_t first = 0;
     const std::size_t n = ring.size();
-    while (first < n && row_of(ring[first].y, apart) == row_of(ring[(first + 1) % n].y, apart)) ++first;
+    while (first < n && lines.row_of(ring[first].y) == lines.row_of(ring[(first + 1) % n].y)) ++first;
     if (first == n) continue;
-    geom::Polyline line;
+    geom::Polyline stretch;
     for (std::size_t k = 0; k <= n; ++k) {
       const geom::Point& a = ring[(first + k) % n];
       const geom::Point& b = ring[(first + k + 1) % n];
-      if (k > 0) line.push_back(a);
-      const geom::Coord row_a = row_of(a.y, apart), row_b = row_of(b.y, apart);
+      if (k > 0) stretch.push_back(a);
+      const geom::Coord row_a = lines.row_of(a.y), row_b = lines.row_of(b.y);
       const geom::Coord step = row_b > row_a ? 1 : -1;
       for (geom::Coord row = row_a; row != row_b; row += step) {
-        const geom::Coord crossed = step > 0 ? row + 1 : row;
-        const double y = static_cast<double>(crossed) * apart;
+        const double y = lines.line(step > 0 ? row + 1 : row);
         const double t = (y - static_cast<double>(a.y)) / static_cast<double>(b.y - a.y);
         const geom::Point p{a.x + std::llround(t * static_cast<double>(b.x - a.x)), std::llround(y)};
-        if (!line.empty()) {
-          line.push_back(p);
-          if (unlined(line, apart) > kLeastCapMm * geom::kNmPerMm) out.push_back(std::move(line));
+        if (!stretch.empty()) {
+          stretch.push_back(p);
+          visit(std::move(stretch));
         }
-        line = {p};
+        stretch = {p};
         if (k == n) break;  // the first crossing again
       }
     }
   }
+}
+
+/// Border of an area of line centres, from line to line, where it runs too far from the last line.
+geom::Polylines caps_of(const geom::Region& domain, const Lines& lines) {
+  geom::Polylines out;
+  each_stretch(domain, lines, [&](geom::Polyline&& stretch) {
+    if (unlined(stretch, lines) > kLeastCapMm * geom::kNmPerMm) out.push_back(std::move(stretch));
+  });
   return out;
 }
 
@@ -119,9 +137,9 @@ struct Borders {
   geom::Polylines caps;  ///< beside the last line
   Regions all;           ///< and where those are
 
-  void add(const geom::Region& domain, double apart_mm, double line_mm) {
-    Regions parts = narrow_parts(domain, apart_mm, line_mm);
-    for (geom::Polyline& cap : caps_of(domain, apart_mm * geom::kNmPerMm)) {
+  void add(const geom::Region& domain, const Lines& lines, double line_mm) {
+    Regions parts = narrow_parts(domain, lines.apart / geom::kNmPerMm, line_mm);
+    for (geom::Polyline& cap : caps_of(domain, lines)) {
       const Regions own = bead_area({cap}, line_mm * geom::kNmPerMm);
       if (!parts.empty() && geom::area(quick_intersect(own, parts)) > kAlreadyBordered * geom::area(own))
         continue;
@@ -133,28 +151,91 @@ struct Borders {
   }
 };
 
+std::size_t field_of(const SupportLattice& lattice, const geom::Point& p) {
+  std::size_t f = 0;
+  while (f < lattice.fields.size() && !geom::contains(lattice.fields[f].area, p)) ++f;
+  return f;
+}
+
+double shift_of(std::size_t place, double apart) { return apart * static_cast<double>(place) / kShifts; }
+
+/// What the borders cost with lines at each of the places tried, by field.
+using Costs = std::vector<std::array<double, kShifts>>;
+
+Costs costs_of(const Regions& column, const SupportLattice& lattice, double apart, const SliceSettings& s) {
+  Costs out(lattice.fields.size());
+  for (auto& c : out) c.fill(0);
+  for (const auto& domain : geom::offset(column, -from_mm(0.5 * s.line_width_mm))) {
+    const std::size_t f = field_of(lattice, domain.outer.front());
+    if (f == lattice.fields.size()) continue;
+    for (std::size_t k = 0; k < kShifts; ++k)
+      for (const geom::Polyline& cap : caps_of(domain, {apart, shift_of(k, apart)}))
+        out[f][k] += geom::length(cap);
+  }
+  return out;
+}
+
+std::shared_ptr<const SupportLattice> best_lattice(const std::vector<Regions>& columns,
+                                                   const std::vector<Regions>& contact, double apart,
+                                                   const SliceSettings& s, const run::Context& ctx) {
+  auto out = std::make_shared<SupportLattice>();
+  geom::Rings rings;
+  for (const Regions& c : contact)
+    for (geom::Ring& ring : geom::rings_of(c)) rings.push_back(std::move(ring));
+  for (auto& area : geom::offset(geom::unite(rings), from_mm(s.line_width_mm)))
+    out->fields.push_back({std::move(area), 0});
+  std::vector<std::size_t> looked_at;
+  const std::size_t every = columns.size() / kLooks + 1;
+  for (std::size_t i = 0; i < columns.size(); i += every)
+    if (!columns[i].empty()) looked_at.push_back(i);
+  std::vector<Costs> costs(looked_at.size());
+  run::parallel_for(ctx, looked_at.size(),
+                    [&](std::size_t k) { costs[k] = costs_of(columns[looked_at[k]], *out, apart, s); });
+  for (std::size_t f = 0; f < out->fields.size(); ++f) {
+    double least = std::numeric_limits<double>::max();
+    for (std::size_t k = 0; k < kShifts; ++k) {
+      double sum = 0;
+      for (const Costs& c : costs) sum += c[f][k];
+      if (sum >= least) continue;
+      least = sum;
+      out->fields[f].shift = std::llround(shift_of(k, apart));
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 double support_line_distance_mm(const SliceSettings& settings, double density) {
   return line_spacing_mm(settings) / std::clamp(density, 0.01, 1.0);
 }
 
+geom::Coord SupportLattice::shift_at(const geom::Point& p) const {
+  const std::size_t f = field_of(*this, p);
+  return f < fields.size() ? fields[f].shift : 0;
+}
+
 void border_narrow_columns(std::vector<SupportAreas>& areas, const std::vector<Regions>& columns,
-                           const SliceSettings& s, const run::Context& ctx) {
+                           const std::vector<Regions>& contact, const SliceSettings& s,
+                           const run::Context& ctx) {
   const double apart = support_line_distance_mm(s, s.support_density);
   if (s.support_density <= 0 || apart <= kSparseSpacings * line_spacing_mm(s)) return;
   const std::size_t n = columns.size();
+  const double apart_nm = apart * geom::kNmPerMm;
+  const auto lattice = best_lattice(columns, contact, apart_nm, s, ctx);
   std::vector<Borders> borders(n);
   run::parallel_for(ctx, n, [&](std::size_t i) {
     if (i > 0 && columns[i] == columns[i - 1]) return;
     const double width = i == 0 ? s.first_layer_line_width_mm : s.line_width_mm;
     for (const auto& domain : geom::offset(columns[i], -from_mm(0.5 * width)))
-      borders[i].add(domain, apart, line_spacing_mm(s));
+      borders[i].add(domain, {apart_nm, static_cast<double>(lattice->shift_at(domain.outer.front()))},
+                     line_spacing_mm(s));
   });
   for (std::size_t i = 1; i < n; ++i)
     if (columns[i] == columns[i - 1]) borders[i] = borders[i - 1];
   run::parallel_for(ctx, n, [&](std::size_t i) {
     SupportAreas& own = areas[i];
+    own.lattice = lattice;
     if (i + 1 < n) {
       const Regions fresh = begun(borders[i + 1].all, borders[i].all, s);
       if (!fresh.empty()) {
@@ -164,9 +245,9 @@ void border_narrow_columns(std::vector<SupportAreas>& areas, const std::vector<R
       }
     }
     if (borders[i].all.empty()) return;
-    const Regions lines = geom::offset(own.sparse, -from_mm(0.5 * s.line_width_mm) + kSlack);
-    own.bordered = quick_intersect(borders[i].narrow, lines);
-    if (!borders[i].caps.empty() && !lines.empty()) own.caps = geom::clip_inside(borders[i].caps, lines);
+    const Regions centres = geom::offset(own.sparse, -from_mm(0.5 * s.line_width_mm) + kSlack);
+    own.bordered = quick_intersect(borders[i].narrow, centres);
+    if (!borders[i].caps.empty() && !centres.empty()) own.caps = geom::clip_inside(borders[i].caps, centres);
   });
 }
 

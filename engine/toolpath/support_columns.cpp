@@ -104,7 +104,7 @@ std::vector<SupportAreas> support_columns(const slice::LayerStack& stack, const 
     out[i].sparse = columns[i];
     split_interface(contact, i, out[i], settings);
   });
-  border_narrow_columns(out, columns, settings, ctx);
+  border_narrow_columns(out, columns, contact, settings, ctx);
   return out;
 }
 

@@ -77,10 +77,6 @@ std::vector<Path> support_lines(const SupportAreas& areas, std::size_t layer, co
   std::vector<Path> out;
   const double spacing = bead.spacing_mm();
   const double tolerance = std::max(settings.resolution_mm, kLineToleranceMm);
-  const auto hatched = [&](const Regions& domain, double apart, double angle, Role role) {
-    Hatch h = hatch(domain, {angle, apart, false, kLinkSpacings * apart});
-    add_fill(out, role, {std::move(h.lines), false, spacing}, bead, tolerance);
-  };
   if (settings.support_density > 0) {
     double apart = support_line_distance_mm(settings, settings.support_density);
     // Lines above lie on some of the first layer's.
@@ -92,15 +88,24 @@ std::vector<Path> support_lines(const SupportAreas& areas, std::size_t layer, co
       domains = quick_subtract(domains, areas.bordered);
       append(domains, geom::offset(areas.bordered, -from_mm(spacing)));
     }
-    for (const auto& domain : domains)
-      if (areas.bordered.empty() || !all_bordered(domain, areas.bordered) || layer == 0)
-        hatched({domain}, apart, 0.0, Role::support);
+    for (const auto& domain : domains) {
+      if (layer != 0 && !areas.bordered.empty() && all_bordered(domain, areas.bordered)) continue;
+      const geom::Coord shift = areas.lattice ? areas.lattice->shift_at(domain.outer.front()) : 0;
+      Regions shifted{domain};
+      geom::translate(shifted, {0, -shift});
+      Hatch h = hatch(shifted, {0.0, apart, false, kLinkSpacings * apart});
+      for (auto& line : h.lines)
+        for (geom::Point& p : line) p.y += shift;
+      add_fill(out, Role::support, {std::move(h.lines), false, spacing}, bead, tolerance);
+    }
   }
   add_branches(out, areas.branches, layer == 0, bead, tolerance);
   const double dense = support_line_distance_mm(settings, kInterfaceDensity);
   for (const Regions& areas_across : {areas.floor, areas.interface})
-    for (const auto& domain : geom::offset(areas_across, -from_mm(0.5 * bead.width_mm)))
-      hatched({domain}, dense, std::numbers::pi / 2, Role::support_interface);
+    for (const auto& domain : geom::offset(areas_across, -from_mm(0.5 * bead.width_mm))) {
+      Hatch h = hatch({domain}, {std::numbers::pi / 2, dense, false, kLinkSpacings * dense});
+      add_fill(out, Role::support_interface, {std::move(h.lines), false, spacing}, bead, tolerance);
+    }
   return out;
 }
 

@@ -93,6 +93,7 @@ std::vector<SupportAreas> support_trees(const slice::LayerStack& stack, const Su
     const Regions rest_of_tree = quick_unite(out[i].interface, out[i].branches);
     out[i].sparse = quick_subtract(columns[i].sparse, rest_of_tree);
     out[i].floor = quick_subtract(columns[i].floor, rest_of_tree);
+    out[i].lattice = columns[i].lattice;
     out[i].caps = columns[i].caps;
     if (!rest_of_tree.empty()) out[i].caps = geom::clip_outside(out[i].caps, rest_of_tree);
     out[i].bordered = quick_subtract(columns[i].bordered, rest_of_tree);

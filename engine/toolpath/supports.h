@@ -6,12 +6,15 @@
 #include "engine/toolpath/settings.h"
 #include "engine/toolpath/surfaces.h"
 
+#include <memory>
 #include <vector>
 
 namespace voidpath::toolpath {
 
 /// Density of support right under the part.
 inline constexpr double kInterfaceDensity = 0.8;
+
+struct SupportLattice;
 
 /// Where support is printed in one layer.
 struct SupportAreas {
@@ -20,7 +23,8 @@ struct SupportAreas {
   geom::Regions branches;   ///< of trees: hollow, with a wall of their own
   geom::Regions floor;      ///< dense, below borders that begin
   geom::Regions bordered;   ///< of line centres in what is sparse: too narrow for its lines
-  geom::Polylines caps;     ///< along the border of what is sparse, beyond the last of its lines
+  std::shared_ptr<const SupportLattice> lattice;  ///< of what is sparse; one for all layers
+  geom::Polylines caps;  ///< along the border of what is sparse, beyond the last of its lines
 };
 
 /// All of it together.
