@@ -19,7 +19,7 @@ constexpr double kMaxStretch = 3;
 double text_time(const toolpath::Plan& plan, const CutPart& part, const PrepareOptions& options,
                  const run::Context& ctx, gcode::Estimate& estimate) {
   std::stringstream text;
-  toolpath::emit(plan, part.print, "", text, ctx, options.limits);
+  toolpath::emit(plan, part.print, "", text, options.limits, ctx);
   estimate = gcode::estimate(text, options.limits, ctx);
   return estimate.predicted_s;
 }

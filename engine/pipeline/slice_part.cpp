@@ -211,7 +211,7 @@ toolpath::EmitStats slice_part(const mesh::TriangleMesh& mesh, const Pose& pose,
                        orient::number(pose.direction.y(), 6) + ", " + orient::number(pose.direction.z(), 6) +
                        turn_text(pose.turn_rad);
   if (pictures) header += thumbnails(part, ctx);
-  return toolpath::emit(plan, part.print, header, out, ctx, options.limits);
+  return toolpath::emit(plan, part.print, header, out, options.limits, ctx);
 }
 
 SlicedPart slice_part_to(const mesh::TriangleMesh& mesh, const Pose& pose, const PrepareOptions& options,

@@ -239,7 +239,7 @@ class Emitter {
 }  // namespace
 
 EmitStats emit(const Plan& plan, const PrintSettings& settings, const std::string& header, std::ostream& out,
-               const run::Context& ctx, const motion::MachineLimits& limits) {
+               const motion::MachineLimits& limits, const run::Context& ctx) {
   return Emitter(plan, settings, out, ctx, limits).run(header);
 }
 

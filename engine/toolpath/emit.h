@@ -25,6 +25,6 @@ struct EmitStats {
 /// `limits`: the printer's, by which layers are timed that may need slowing down.
 /// Throws std::runtime_error for an unknown placeholder in start or end G-code, naming it.
 EmitStats emit(const Plan& plan, const PrintSettings& settings, const std::string& header, std::ostream& out,
-               const run::Context& ctx = {}, const motion::MachineLimits& limits = {});
+               const motion::MachineLimits& limits, const run::Context& ctx = {});
 
 }  // namespace voidpath::toolpath

@@ -128,9 +128,9 @@ TEST_CASE("a cylinder with arcs has fewer lines, the same material and nearly th
   });
   const auto plan = toolpath::build(stack, s);
   std::ostringstream straight, curved;
-  const auto without = toolpath::emit(plan, s, "", straight);
+  const auto without = toolpath::emit(plan, s, "", straight, {});
   s.machine.arcs = true;
-  const auto with = toolpath::emit(plan, s, "", curved);
+  const auto with = toolpath::emit(plan, s, "", curved, {});
   CHECK(with.filament_mm == Approx(without.filament_mm).epsilon(1e-9));
   CHECK(curved.str().find("G3 ") != std::string::npos);
   CHECK(2 * curved.str().size() < straight.str().size());

@@ -85,7 +85,7 @@ Reading read(const std::string& text, bool relative) {
 std::string text_of(const toolpath::Plan& plan, const toolpath::PrintSettings& s,
                     toolpath::EmitStats* stats = nullptr) {
   std::ostringstream out;
-  const auto got = toolpath::emit(plan, s, "made by a test", out);
+  const auto got = toolpath::emit(plan, s, "made by a test", out, {});
   if (stats != nullptr) *stats = got;
   return out.str();
 }

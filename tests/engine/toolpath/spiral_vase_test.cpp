@@ -125,7 +125,7 @@ TEST_CASE("a vase's G-code climbs without a retraction") {
   auto s = vase_settings();
   s.slice.bottom_layers = 2;
   std::ostringstream out;
-  toolpath::emit(toolpath::build(cone_stack(10, 6, 13), s), s, "", out);
+  toolpath::emit(toolpath::build(cone_stack(10, 6, 13), s), s, "", out, {});
   std::istringstream in(out.str());
   int layer = 0;
   double z = 0;

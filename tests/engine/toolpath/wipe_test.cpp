@@ -52,9 +52,9 @@ TEST_CASE("a wipe draws back what a retraction does, on the part, and takes no m
     s.machine.relative_e = relative;
     s.retract.wipe = false;
     std::ostringstream plain_text, wiped_text;
-    const auto plain = toolpath::emit({{layer}}, s, "", plain_text);
+    const auto plain = toolpath::emit({{layer}}, s, "", plain_text, {});
     s.retract.wipe = true;
-    const auto wiped = toolpath::emit({{layer}}, s, "", wiped_text);
+    const auto wiped = toolpath::emit({{layer}}, s, "", wiped_text, {});
     CHECK(wiped.filament_mm == plain.filament_mm);
     CHECK(wiped.retractions == plain.retractions);
     std::istringstream a(plain_text.str()), b(wiped_text.str());
@@ -68,7 +68,7 @@ TEST_CASE("a wipe draws back what a retraction does, on the part, and takes no m
   // 0.8 mm of filament over 17 mm of path: within what 0.8 / 35 s allows at 0.8 x 180 mm/s.
   s.machine.relative_e = true;
   std::ostringstream text;
-  toolpath::emit({{layer}}, s, "", text);
+  toolpath::emit({{layer}}, s, "", text, {});
   const std::string wipe = text.str().substr(text.str().find(";WIPE_START"));
   CHECK(wipe.rfind(";WIPE_START\nG1 X14.709 E-0.8 F8640\n;WIPE_END\n", 0) == 0);
 }
