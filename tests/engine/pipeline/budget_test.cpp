@@ -156,8 +156,8 @@ TEST_CASE("when time is short every baseline gets a shorter look rather than som
   };
   const auto [whole, whole_s] = timed_within(1e12);
   REQUIRE(whole.timing.complete);
-  const auto [choice, took_s] = timed_within(0.37 * whole_s);
-  CHECK(took_s <= 0.37 * whole_s + 60);
+  const auto [choice, took_s] = timed_within(0.30 * whole_s);
+  CHECK(took_s <= 0.30 * whole_s + 60);
   CHECK(count_unknown_baselines(choice) == 0);
   CHECK_FALSE(choice.timing.complete);
   check_never_slower(choice);
