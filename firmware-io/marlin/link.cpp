@@ -352,7 +352,7 @@ void Link::elapsed(double t) {
     silent_since_t_ = t;
   }
   if (t >= progress_t_ + stall_after_s()) {
-    window_.on_stall(!may_be_at_length());
+    window_.on_stall(!may_be_at_length() || window_.may_ask(kQuestion));
     if (window_.stalls() > 1 && tail_.empty()) stop_packing();
     progress_t_ = t;
   }

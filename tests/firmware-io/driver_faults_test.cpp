@@ -31,6 +31,23 @@ TEST_CASE("a printer that restarts in mid-print gets no further line of the file
   REQUIRE(bench.run_until([&] { return bench.count<PrintFinished>() == 1; }));
 }
 
+TEST_CASE("oks lost beside a long command are found out about though they fill the window", "[driver]") {
+  DriverBench bench;
+  REQUIRE(bench.connect());
+  // The last oks are lost, those of the first two questions after them as well.
+  int lost = 0;
+  bench.to_host = [&](std::string line) {
+    const bool near_end = bench.count<LineDone>() >= 35;
+    if (near_end && line.starts_with("ok") && lost < 7) line[0] = 'g', ++lost;
+    return line;
+  };
+  bench.print(moves(40));
+  REQUIRE(bench.run_until([&] { return over(bench); }, 3600));
+  CHECK(lost == 7);
+  CHECK(bench.count<PrintFinished>() == 1);
+  CHECK(bench.printed() == moves(40) + Lines{"M400"});
+}
+
 TEST_CASE("a killed firmware fails the print with its own words", "[driver]") {
   DriverBench bench;
   REQUIRE(bench.connect());
