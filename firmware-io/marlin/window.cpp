@@ -177,7 +177,14 @@ void Window::acknowledge_front() {
   in_flight_.pop_front();
   bytes_in_flight_ -= front.bytes;
   acknowledged_ = std::max(acknowledged_, front.number);
+  note_all_taken();
   grow(front.bytes);
+}
+
+// A request for a line tells that those before it were taken, and their oks may have come while it was not
+// known what they were for: with nothing in flight and nothing to send again none is owed.
+void Window::note_all_taken() noexcept {
+  if (in_flight_.empty() && !resending()) acknowledged_ = next_ - 1;
 }
 
 // However low the ceiling, two lines may be out: else a lost ok would only be noticed by a stall.
@@ -292,6 +299,7 @@ void Window::rewind_to(std::uint32_t line) {
   for (Flight& flight : in_flight_) flight.bytes = 0;  // taken, hence no longer in the ring
   bytes_in_flight_ = withheld_ = 0;
   cursor_ = line;
+  note_all_taken();
 }
 
 bool Window::wants_the_beginning(std::uint32_t line) {

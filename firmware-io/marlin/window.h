@@ -168,6 +168,7 @@ class Window {
   void use_grant() noexcept;
   void acknowledge_front();
   void acknowledge_all();
+  void note_all_taken() noexcept;
   void rewind_to(std::uint32_t line);
   int patient_limit() const noexcept;
   void grow(int bytes);

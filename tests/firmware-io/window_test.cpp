@@ -184,6 +184,25 @@ TEST_CASE("an ok with a number acknowledges everything up to it", "[window]") {
   CHECK(window.idle());
 }
 
+TEST_CASE("with nothing in flight and nothing asked for all was taken, whatever became of the oks",
+          "[window]") {
+  Window window;
+  for (int i = 1; i <= 4; ++i) window.send(command(i));
+  window.on_ok({});
+  // The second is asked for although it is on its way, for which the next request is.
+  window.on_resend(2);
+  window.on_ok({});
+  window.on_quiet();
+  REQUIRE(window.resend());
+  window.on_resend(5);
+  window.on_quiet();
+  CHECK_FALSE(window.resending());
+  CHECK(window.acknowledged() == 1);
+  window.on_ok({});
+  CHECK(window.acknowledged() == 4);
+  CHECK(window.idle());
+}
+
 TEST_CASE("a line that can never pass is given up", "[window]") {
   Run run;
   play(
