@@ -23,8 +23,9 @@ using geom::from_mm;
 /// Sparse infill is simplified to this, mm: nobody sees it.
 constexpr double kSparseToleranceMm = 0.05;
 
-/// A bridge's strand may go into the walls by this much of a line width to find ground.
-constexpr double kIntoWallsWidths = 0.6;
+/// A bridge's strand may go into the walls by this much of a line width to find ground: as far as the outer
+/// one.
+constexpr double kIntoWallsWidths = 0.95;
 
 void add_bridge(std::vector<Path>& out, const BridgeArea& bridge, const BeadSize& bead,
                 const PrintSettings& settings) {

@@ -101,14 +101,15 @@ std::vector<Stretch> merged(std::vector<Stretch>&& stretches, const std::vector<
   return out;
 }
 
-/// A loop whose seam hangs begins where it is carried best: what begins in the air holds to nothing.
-void begin_held(std::vector<Stretch>& loop, const std::vector<Band>& bands) {
-  if (loop.empty() || loop.front().band == 0 || !bands[loop.front().band - 1].overhang) return;
+/// A loop whose seam hangs begins where it is carried best: what begins in the air holds to nothing. Whether
+/// it now begins elsewhere.
+bool begin_held(std::vector<Stretch>& loop, const std::vector<Band>& bands) {
+  if (loop.empty() || loop.front().band == 0 || !bands[loop.front().band - 1].overhang) return false;
   const auto best = std::min_element(loop.begin(), loop.end(),
                                      [](const Stretch& a, const Stretch& b) { return a.band < b.band; });
-  if (best->band == loop.front().band) return;
+  if (best->band == loop.front().band) return false;
   std::rotate(loop.begin(), best, loop.end());
-  loop = merged(std::move(loop), bands);
+  return true;
 }
 
 void put_in_band(Path& path, std::size_t band, const std::vector<Band>& bands) {
@@ -145,10 +146,17 @@ void mark_overhangs(std::vector<Path>& paths, const geom::Regions& own, const ge
     }
     geom::Polyline line = path.points;
     if (path.closed) line.push_back(line.front());
-    std::vector<Stretch> stretches = merged(carrier.split(line), bands);
-    if (path.closed) begin_held(stretches, bands);
+    std::vector<Stretch> stretches = carrier.split(line);
+    const bool turned = path.closed && begin_held(stretches, bands);
+    stretches = merged(std::move(stretches), bands);
     if (stretches.size() <= 1) {
-      if (!stretches.empty()) put_in_band(path, stretches.front().band, bands);
+      if (!stretches.empty()) {
+        if (turned) {
+          path.points = std::move(stretches.front().points);
+          path.points.pop_back();
+        }
+        put_in_band(path, stretches.front().band, bands);
+      }
       out.push_back(std::move(path));
       continue;
     }

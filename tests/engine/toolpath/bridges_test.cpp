@@ -186,3 +186,23 @@ TEST_CASE("a loop whose seam hangs begins where it is held") {
     CHECK(length == Approx(4 * (b - a)));
   }
 }
+
+TEST_CASE("a bridge on rails no wider than its outer wall ends on them") {
+  auto s = bare_settings();
+  const auto stack = stack_of(2, 0.2, [](double z) {
+    if (z > 1) return geom::Regions{rectangle(50, 50, 54, 56)};
+    return geom::Regions{rectangle(50, 50, 50.5, 56), rectangle(53.5, 50, 54, 56)};
+  });
+  const auto plan = toolpath::build(stack, s);
+  std::size_t seen = 0;
+  for (const auto& path : plan.layers[5].paths) {
+    if (path.role != Role::bridge_infill) continue;
+    for (const Point& end : {path.points.front(), path.points.back()}) {
+      ++seen;
+      const double x = geom::to_mm(end.x) - 50;
+      CHECK(std::min(x, 4 - x) < 0.5 + 0.2);
+      CHECK(std::min(x, 4 - x) > 0.2);  // inside
+    }
+  }
+  CHECK(seen >= 2);
+}

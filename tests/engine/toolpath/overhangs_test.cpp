@@ -125,3 +125,38 @@ TEST_CASE("gap lines reach for ground that is near") {
   CHECK(both.first == Approx(60 - 0.2));
   CHECK(both.second == Approx(70 + 0.2));
 }
+
+TEST_CASE("a loop around a hole that hangs all round begins where it hangs least") {
+  const toolpath::SpeedSettings speed = bare_settings().speed;
+  // The hole below is round and larger, the loop a polygon: its corners come nearest to what is below.
+  const auto with_hole = [](double radius, int sides) {
+    geom::Region r = rectangle(50, 50, 70, 70);
+    geom::Ring hole = geom::make_circle({from_mm(60), from_mm(60)}, from_mm(radius), sides);
+    geom::reverse(hole);
+    r.holes.push_back(hole);
+    return geom::Regions{r};
+  };
+  const geom::Regions below = with_hole(3.18, 96), own = with_hole(2.775, 6);
+  toolpath::Path loop;
+  loop.role = Role::external_perimeter;
+  loop.width_mm = 0.45;
+  loop.area_mm2 = 0.08;
+  loop.closed = true;
+  for (const double turned : {0.3, 0.5, 0.7}) {  // the seam, from corner to corner
+    loop.points = geom::make_circle({from_mm(60), from_mm(60)}, from_mm(3.0), 6);
+    const geom::Point a = loop.points[0], b = loop.points[1];
+    loop.points.erase(loop.points.begin());
+    loop.points.insert(loop.points.begin(), {a.x + std::llround(turned * static_cast<double>(b.x - a.x)),
+                                             a.y + std::llround(turned * static_cast<double>(b.y - a.y))});
+    loop.points.push_back(a);
+    std::vector<toolpath::Path> paths{loop};
+    toolpath::mark_overhangs(paths, own, below, 0.45, speed);
+    REQUIRE(!paths.empty());
+    const geom::Point begin = paths.front().points.front();
+    CAPTURE(turned);
+    CHECK(geom::distance(begin, {from_mm(60), from_mm(60)}) / geom::kNmPerMm > 3.18 - 0.5 * 0.45 - 0.01);
+    double length = 0;
+    for (const auto& path : paths) length += length_mm(path);
+    CHECK(length == Approx(6 * 3.0).epsilon(1e-4));
+  }
+}
