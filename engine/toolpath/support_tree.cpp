@@ -26,6 +26,8 @@ constexpr double kMinRoofMm2 = 0.5;
 constexpr double kMinBranchWidths = 0.9;
 /// Sections thinner than this are left to their neighbours above and below, mm of radius.
 constexpr double kMinRadiusMm = 0.1;
+/// A branch is carried by one below that it overlaps, or nearly: a share of a line's width.
+constexpr double kCarriedShare = 0.25;
 constexpr double kMm2 = geom::kNmPerMm * geom::kNmPerMm;
 
 /// The contact's part that has room in all layers from `low` up to its own.
@@ -43,6 +45,24 @@ Regions outline_of(const std::vector<BranchSection>& sections) {
     if (section.radius_mm >= kMinRadiusMm)
       discs.push_back(geom::make_circle(section.centre, from_mm(section.radius_mm), kSides));
   return geom::unite(discs);
+}
+
+/// Branches that begin in the air, because a way that was wide enough for their middle was too narrow for
+/// them: what is to carry them, by layer.
+std::vector<Regions> floating(const std::vector<SupportAreas>& trees, const slice::LayerStack& stack,
+                              const SliceSettings& s, const run::Context& ctx) {
+  std::vector<Regions> out(trees.size());
+  run::parallel_for(ctx, trees.size(), [&](std::size_t i) {
+    if (i == 0 || trees[i].branches.empty()) return;
+    const Regions below = geom::offset(printed_area(trees[i - 1]), from_mm(kCarriedShare * s.line_width_mm));
+    const std::size_t rest = layer_below_gap(stack, i, s.support_z_gap_mm);
+    for (const auto& branch : trees[i].branches) {
+      if (!quick_intersect({branch}, below).empty()) continue;
+      if (rest < stack.size() && !quick_intersect({branch}, stack[rest].regions).empty()) continue;
+      out[i - 1].push_back(branch);
+    }
+  });
+  return out;
 }
 
 }  // namespace
@@ -79,15 +99,23 @@ std::vector<SupportAreas> support_trees(const slice::LayerStack& stack, const Su
   });
 
   SupportTask rest;
-  for (std::size_t i = 0; i < top; ++i)
-    if (!branches.unheld[i].empty()) {
-      rest.contact.resize(n);
-      append(rest.contact[i + roofs], std::move(branches.unheld[i]));
-    }
-  if (rest.empty()) return out;
+  rest.contact = floating(out, stack, settings, ctx);
+  for (std::size_t i = 0; i < top; ++i) append(rest.contact[i + roofs], Regions(branches.unheld[i]));
+  if (std::all_of(rest.contact.begin(), rest.contact.end(), [](const Regions& r) { return r.empty(); }))
+    return out;
   rest.forbidden = task.forbidden;
   const std::vector<SupportAreas> columns = support_columns(stack, rest, settings, ctx);
+  // What neither holds needs no roof: it would hang in the air.
+  std::vector<Regions> lost(n);
   run::parallel_for(ctx, top, [&](std::size_t i) {
+    if (roofs == 0 || branches.unheld[i].empty()) return;
+    const Regions near = geom::offset(printed_area(columns[i]), from_mm(settings.line_width_mm));
+    lost[i + roofs] =
+        geom::open(quick_subtract(branches.unheld[i], near), from_mm(0.5 * settings.line_width_mm));
+  });
+  run::parallel_for(ctx, top, [&](std::size_t i) {
+    for (std::size_t c = i; c < std::min(n, i + roofs); ++c)
+      out[i].interface = quick_subtract(out[i].interface, lost[c]);
     out[i].interface = quick_unite(out[i].interface, columns[i].interface);
     out[i].branches = quick_subtract(out[i].branches, columns[i].interface);
     const Regions rest_of_tree = quick_unite(out[i].interface, out[i].branches);
