@@ -26,6 +26,8 @@ constexpr double kMinRoofMm2 = 0.5;
 constexpr double kMinBranchWidths = 0.9;
 /// Sections thinner than this are left to their neighbours above and below, mm of radius.
 constexpr double kMinRadiusMm = 0.1;
+/// A column below a branch is wider than that by this, mm, on each side.
+constexpr double kColumnMarginMm = 0.6;
 /// A branch is carried by one below that it overlaps, or nearly: a share of a line's width.
 constexpr double kCarriedShare = 0.25;
 constexpr double kMm2 = geom::kNmPerMm * geom::kNmPerMm;
@@ -47,22 +49,43 @@ Regions outline_of(const std::vector<BranchSection>& sections) {
   return geom::unite(discs);
 }
 
+/// Those of the areas in layer i that lie on nothing.
+Regions unfounded(const Regions& areas, std::size_t i, const std::vector<SupportAreas>& trees,
+                  const slice::LayerStack& stack, const SliceSettings& s) {
+  Regions out;
+  if (i == 0 || areas.empty()) return out;
+  const Regions below = geom::offset(printed_area(trees[i - 1]), from_mm(kCarriedShare * s.line_width_mm));
+  const std::size_t rest = layer_below_gap(stack, i, s.support_z_gap_mm);
+  for (const auto& area : areas) {
+    if (!quick_intersect({area}, below).empty()) continue;
+    if (rest < stack.size() && !quick_intersect({area}, stack[rest].regions).empty()) continue;
+    out.push_back(area);
+  }
+  return out;
+}
+
 /// Branches that begin in the air, because a way that was wide enough for their middle was too narrow for
-/// them: what is to carry them, by layer.
+/// them: what is to carry them, by layer, large enough for a column.
 std::vector<Regions> floating(const std::vector<SupportAreas>& trees, const slice::LayerStack& stack,
                               const SliceSettings& s, const run::Context& ctx) {
   std::vector<Regions> out(trees.size());
   run::parallel_for(ctx, trees.size(), [&](std::size_t i) {
-    if (i == 0 || trees[i].branches.empty()) return;
-    const Regions below = geom::offset(printed_area(trees[i - 1]), from_mm(kCarriedShare * s.line_width_mm));
-    const std::size_t rest = layer_below_gap(stack, i, s.support_z_gap_mm);
-    for (const auto& branch : trees[i].branches) {
-      if (!quick_intersect({branch}, below).empty()) continue;
-      if (rest < stack.size() && !quick_intersect({branch}, stack[rest].regions).empty()) continue;
-      out[i - 1].push_back(branch);
-    }
+    const Regions air = unfounded(trees[i].branches, i, trees, stack, s);
+    if (!air.empty()) out[i - 1] = geom::offset(air, from_mm(kColumnMarginMm));
   });
   return out;
+}
+
+/// From the plate up, leaves out what still begins in the air, and so all that stands on that alone.
+void drop_unfounded(std::vector<SupportAreas>& trees, const slice::LayerStack& stack, const SliceSettings& s,
+                    const run::Context& ctx) {
+  for (std::size_t i = 1; i < trees.size(); ++i) {
+    ctx.check();
+    for (Regions* areas : {&trees[i].branches, &trees[i].interface}) {
+      const Regions air = unfounded(*areas, i, trees, stack, s);
+      if (!air.empty()) *areas = quick_subtract(*areas, air);
+    }
+  }
 }
 
 }  // namespace
@@ -126,6 +149,7 @@ std::vector<SupportAreas> support_trees(const slice::LayerStack& stack, const Su
     if (!rest_of_tree.empty()) out[i].caps = geom::clip_outside(out[i].caps, rest_of_tree);
     out[i].bordered = quick_subtract(columns[i].bordered, rest_of_tree);
   });
+  drop_unfounded(out, stack, settings, ctx);
   return out;
 }
 
