@@ -331,6 +331,7 @@ double Link::stall_after_s() const noexcept {
 
 double Link::deadline() const {
   if (window_.draining()) return received_t_ + quiet_after_s();
+  if (stranded()) return patience_t_ + timing_.patience_s;
   if (!window_.waiting() || held_) return kNever;
   double next = std::min(progress_t_ + stall_after_s(), ask_at());
   if (window_.throttled() || window_.answers_missing())
@@ -343,6 +344,7 @@ void Link::elapsed(double t) {
     if (t >= received_t_ + quiet_after_s()) window_.on_quiet(), note_progress(t);
     return;
   }
+  if (stranded() && t >= patience_t_ + timing_.patience_s) question_due_ = true, patience_t_ = t;
   if (!window_.waiting() || held_) return;
   const bool impatient = window_.throttled() || window_.answers_missing();
   if (impatient && t >= patience_t_ + timing_.patience_s) window_.on_patience(), patience_t_ = t;

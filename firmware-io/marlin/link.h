@@ -133,6 +133,9 @@ class Link {
   void note_length_done(const Ok& ok) noexcept;
   double stall_after_s() const noexcept;
   double ask_at() const;
+  /// A request out of its time has taken lines out of flight whose oks then belong to nothing: only a
+  /// question tells that they are done.
+  bool stranded() const noexcept { return window_.idle() && !outstanding_.empty() && !held_; }
   void note_missed_ok() noexcept;
   void note_ok_time(const Outstanding& line) noexcept;
   void note_ok(bool temperatures, std::uint64_t lost, double t);

@@ -88,3 +88,12 @@ TEST_CASE("prints over a hostile wire end as they should", "[fuzz]") {
   }
   SUCCEED();
 }
+
+TEST_CASE("a line that takes long is known to be done though a false request took it out of flight",
+          "[fuzz]") {
+  // Found by the fuzzer: the request is for a line from before G29, which has begun.
+  const Bytes found = {0x8e, 0xe6, 0x23, 0x07, 0x04, 0x02, 0x00, 0x00};
+  const SoakPrint print = HostileWire(found.data(), found.size()).run();
+  CHECK(print.violation == "");
+  CHECK(print.finished);
+}
