@@ -39,16 +39,16 @@ class Witness {
       if (*number != 0) ++invisible;
       return;
     }
-    // A firmware that obeys M110 when its turn comes forgets what it took in between, and is asked again.
-    if (*number != last_ + 1 && !is_question(text))
-      violation = "line " + std::to_string(*number) + " after " + std::to_string(last_);
-    last_ = *number;
     const auto known = numbered_.find(*number);
+    const std::int64_t before = std::exchange(last_, *number);
     if (known == numbered_.end() || known->second != text) {
       ++invisible;
-    } else {
-      taken.push_back(known->second);
+      return;
     }
+    // A firmware that obeys M110 when its turn comes forgets what it took in between, and is asked again.
+    if (*number != before + 1 && !is_question(text))
+      violation = "line " + std::to_string(*number) + " after " + std::to_string(before);
+    taken.push_back(known->second);
   }
 
   int invisible = 0;
