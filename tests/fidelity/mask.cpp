@@ -204,8 +204,18 @@ std::optional<double> near(const Mask& mask, const Grid& grid, std::size_t pixel
 Nearby::Nearby(const Mask& mask, const Grid& grid)
     : mask_(mask), grid_(grid), nx_(grid.nx / kTile + 1), ny_(grid.ny / kTile + 1) {
   tiles_.resize(static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_), 0);
-  for (int j = 0; j < grid.ny; ++j)
-    for (int i = 0; i < grid.nx; ++i) tiles_[tile(i / kTile, j / kTile)] |= mask[grid.at(i, j)];
+  // Whole tiles' worth of rows are laid over one another first.
+  Mask rows(static_cast<std::size_t>(nx_) * kTile);
+  for (int j = 0; j < grid.ny; ++j) {
+    const std::uint8_t* row = &mask[grid.at(0, j)];
+    if (j % kTile == 0) std::fill(rows.begin(), rows.end(), std::uint8_t{0});
+    for (std::size_t i = 0; i < static_cast<std::size_t>(grid.nx); ++i) rows[i] |= row[i];
+    if (j % kTile != kTile - 1 && j + 1 < grid.ny) continue;
+    for (int t = 0; t < nx_; ++t) {
+      const auto from = rows.begin() + static_cast<std::ptrdiff_t>(t) * kTile;
+      tiles_[tile(t, j / kTile)] = *std::max_element(from, from + kTile);
+    }
+  }
 }
 
 bool Nearby::within(std::size_t pixel, double reach_mm) {
