@@ -1,6 +1,4 @@
 #include "firmware-io/marlin/driver.h"
-
-#include "firmware-io/marlin/meatpack.h"
 #include "firmware-io/marlin/words.h"
 
 #include <algorithm>
@@ -18,19 +16,9 @@ constexpr double kPollHot_s = 2;
 constexpr double kPollCold_s = 5;
 // A firmware that reports each second and has been mute for so long is asked whether it lives.
 constexpr double kMute_s = 10;
-constexpr double kHot_c = 45;
 
 // After the printer has said that it halts the port stays open so long, for its last words.
 constexpr double kLastWords_s = 1;
-// A firmware that reads M112 only behind what it has in hand may have had no room for it: said again so
-// often, for so long, until it is heard.
-constexpr double kRepeatHalt_s = 0.25;
-constexpr double kMostHalting_s = 15;
-
-// Marlin offers three at the most; more is noise.
-constexpr int kMostChoices = 16;
-
-const std::vector<std::string> kHeatersOff = {"M104 S0", "M140 S0", "M107"};
 
 }  // namespace
 
@@ -81,117 +69,6 @@ void Driver::dispatch(const std::string& line, double t) {
   }
 }
 
-void Driver::dispatch_ready(const Reply& reply, double t) {
-  if (const auto* ok = std::get_if<Ok>(&reply)) {
-    collect(t);
-    // Commands run one after the other: this is the ok of the one that waited for a person.
-    panel_waits_ = false;
-    if (std::exchange(printer_waits_, false)) go_on(t);
-    if (!ok->sensors.empty()) note_sensors(ok->sensors);
-    if (job_) job_->on_ok(link_, !ok->sensors.empty(), t);
-    drop_finished_job();
-  } else if (const auto* report = std::get_if<TemperatureReport>(&reply)) {
-    if (report->waiting) link_.note_progress(t);
-    note_sensors(report->sensors);
-    // Repetier's M105 says ok first and the temperatures on a line of their own.
-    if (job_ && !report->waiting && !reports_by_itself()) {
-      job_->on_ok(link_, true, t);
-      drop_finished_job();
-    }
-  } else if (const auto* error = std::get_if<Error>(&reply)) {
-    on_error(*error, t);
-  } else if (const auto* busy = std::get_if<Busy>(&reply)) {
-    link_.note_busy(t);
-    if (busy->for_user) {
-      link_.hold();
-      panel_waits_ = true;
-      emit(Message{busy->why});
-      if (job_ && job_->goes_on()) {
-        printer_waits_ = true;
-        job_->pause(true, busy->why);
-      }
-    }
-  } else if (std::holds_alternative<Start>(reply)) {
-    on_restart(t);
-  } else if (const auto* action = std::get_if<Action>(&reply)) {
-    on_action(*action, t);
-  } else if (const auto* echo = std::get_if<Echo>(&reply)) {
-    if (queries_unanswered_ == 0) emit(Message{echo->text});
-    const bool odd =
-        echo->text.starts_with("Unknown command") || echo->text.starts_with("too long extrusion");
-    if (job_ && odd) ++odd_commands_;
-    // From here on the print lacks filament: a person decides whether it is worth going on.
-    if (job_ && echo->text.find("extrusion prevented") != std::string::npos) job_->pause(true, echo->text);
-  } else if (const auto* other = std::get_if<Other>(&reply)) {
-    if (queries_unanswered_ == 0) emit(Message{other->text});
-  } else if (const auto* state = std::get_if<PackState>(&reply)) {
-    packing_answered(*state);
-  } else if (const auto* overrun = std::get_if<Overrun>(&reply)) {
-    emit(Message{overrun->text});
-  } else if (const auto* firmware = std::get_if<Firmware>(&reply)) {
-    emit(Message{firmware->info.name});
-  }
-}
-
-void Driver::on_error(const Error& error, double t) {
-  if (error.kind == Error::Kind::framing) return;  // the window's business
-  emit(Message{"Error: " + error.text});
-  if (error.kind != Error::Kind::fatal) return;
-  for (const std::string& line : kHeatersOff) link_.send_raw(line, false, t);
-  fail(error.text);
-}
-
-void Driver::on_restart(double t) {
-  const std::string reason = "the printer restarted";
-  if (job_) {
-    report_stats();
-    job_.reset();
-    emit(PrintFailed{reason + " in mid-print"});
-  }
-  forget_dialogue();
-  link_.drop_output();
-  if (std::exchange(connected_, false)) emit(Disconnected{reason});
-  start_seen_ = true;
-  greetings_ = 0;
-  enter(Phase::booting, t + options_.handshake.banner_quiet_s);
-}
-
-void Driver::on_action(const Action& action, double t) {
-  if (action.name.starts_with("prompt_")) return on_prompt(action);
-  emit(Message{"action: " + action.name + (action.argument.empty() ? "" : " " + action.argument)});
-  if (action.name == "pause" || action.name == "paused" || action.name == "out_of_filament") {
-    if (job_) job_->pause(true, action.argument.empty() ? "the printer asked for it" : action.argument);
-    if (action.name == "paused") link_.hold(), panel_waits_ = true;
-  } else if (action.name == "resume" || action.name == "resumed") {
-    go_on(t);
-  } else if (action.name == "cancel") {
-    cancel("the printer asked for it", t);
-  }
-}
-
-// The answer is M876, which command() sends at once.
-void Driver::on_prompt(const Action& action) {
-  if (action.name == "prompt_begin") {
-    prompt_ = "the printer asks: " + action.argument;
-    prompt_choices_ = 0;
-  } else if (action.name == "prompt_choice" || action.name == "prompt_button") {
-    if (prompt_choices_ < kMostChoices)
-      prompt_ += "; M876 S" + std::to_string(prompt_choices_++) + ": " + action.argument;
-  } else if (action.name == "prompt_show" && !prompt_.empty()) {
-    emit(Message{prompt_});
-  } else if (action.name == "prompt_end") {
-    prompt_.clear();
-  }
-}
-
-void Driver::note_sensors(const Sensors& sensors) {
-  hot_ = std::any_of(sensors.begin(), sensors.end(), [](const auto& sensor) {
-    return sensor.second.actual_c > kHot_c || sensor.second.target_c > 0;
-  });
-  polled_t_ = received_t_;
-  emit(Temperatures{sensors});
-}
-
 void Driver::collect(double t) {
   while (const auto tag = link_.take_acknowledged()) {
     if (tag->kind == Tag::Kind::query) {
@@ -208,10 +85,6 @@ void Driver::collect(double t) {
       phase_deadline_ = std::min(phase_deadline_, t + options_.handshake.nameless_s);
     }
   }
-}
-
-void Driver::drop_finished_job() {
-  if (job_ && job_->over()) job_.reset();
 }
 
 void Driver::pump(double t) {
@@ -338,130 +211,6 @@ double Driver::poll_at() const noexcept {
 void Driver::poll_temperature(double t) {
   polled_t_ = t;
   if (controls_.empty()) controls_.push_back("M105");
-}
-
-LinkStats Driver::link_stats() const {
-  const Window& window = link_.window();
-  return {link_.lines_sent(), window.resend_requests(), link_.bytes_sent(), window.limit_bytes(),
-          window.doubtful_requests() + window.nameless_oks() + odd_commands_};
-}
-
-void Driver::report_stats() {
-  LinkStats stats = link_stats();
-  stats.lines_sent -= before_print_.lines_sent;
-  stats.resends -= before_print_.resends;
-  stats.bytes_sent -= before_print_.bytes_sent;
-  stats.doubts -= before_print_.doubts;
-  emit(stats);
-}
-
-void Driver::print(std::unique_ptr<LineSource> source, double t) {
-  if (phase_ != Phase::ready || job_) {
-    emit(PrintFailed{job_ ? "a print is already running" : "the printer is not connected"});
-    return;
-  }
-  stats_t_ = t;
-  end_probed_ = false;
-  before_print_ = link_stats();
-  job_ = std::make_unique<PrintJob>(std::move(source), [this](auto what) {
-    const bool last = std::holds_alternative<PrintFinished>(what) ||
-                      std::holds_alternative<PrintCancelled>(what) ||
-                      std::holds_alternative<PrintFailed>(what);
-    if (last) report_stats();
-    emit(std::move(what));
-  });
-  if (panel_waits_) {
-    printer_waits_ = true;
-    job_->pause(true, "the printer waits for a person");
-  }
-  settle(t);
-}
-
-void Driver::pause() {
-  printer_waits_ = false;  // a person's wish outlasts the printer's
-  if (job_) job_->pause(false, "");
-}
-
-void Driver::resume(double t) {
-  leave_panel(t);
-  go_on(t);
-}
-
-// The printer waits for a person, who is here: else it would go on waiting for one at its panel.
-void Driver::leave_panel(double t) {
-  printer_waits_ = false;
-  if (!std::exchange(panel_waits_, false)) return;
-  link_.send_raw("M108", true, t);
-  link_.note_progress(t);
-}
-
-void Driver::go_on(double t) {
-  if (!job_) return;
-  link_.note_progress(t);
-  job_->resume();
-  settle(t);
-}
-
-void Driver::cancel(const std::string& reason, double t) {
-  if (!job_) return;
-  std::vector<std::string> lines = options_.cancel_gcode;
-  lines.insert(lines.end(), kHeatersOff.begin(), kHeatersOff.end());
-  lines.push_back("M84");
-  if (!job_->ending() && !reason.empty()) emit(Message{"cancelled: " + reason});
-  leave_panel(t);
-  job_->end(std::move(lines), PrintCancelled{}, link_, t);
-  settle(t);
-}
-
-void Driver::shut_down(double t) {
-  if (!job_) return;
-  std::vector<std::string> lines = kHeatersOff;
-  lines.insert(lines.end(), options_.cancel_gcode.begin(), options_.cancel_gcode.end());
-  lines.push_back("M84");
-  leave_panel(t);
-  job_->end(std::move(lines), PrintCancelled{}, link_, t);
-  settle(t);
-}
-
-void Driver::halt(const std::string& reason, double t) {
-  if (phase_ == Phase::closed || phase_ == Phase::halted) return;
-  urgent_ = true;
-  link_.drop_output();
-  // A printer that was connected before, and not reset since, may still unpack.
-  if (packed_once_) link_.output() += kPackingOff;
-  if (job_) {
-    report_stats();
-    job_.reset();
-    emit(PrintFailed{reason});
-  }
-  forget_dialogue();
-  last_loss_ = reason;
-  if (std::exchange(connected_, false)) emit(Disconnected{reason});
-  halting_until_ = t + kMostHalting_s;
-  say_halt(t);
-}
-
-void Driver::say_halt(double t) {
-  // The newline ends a line cut off in the middle. Unnumbered is seen at once by firmware without emergency
-  // parser, numbered by the rest that insists on numbers.
-  link_.send_raw("\nM112", false, t);
-  link_.send_raw(frame(link_.window().next_number(), "M112"), false, t);
-  enter(Phase::halted, t + kRepeatHalt_s);
-}
-
-void Driver::command(const std::string& raw, double t) {
-  const std::string line = sanitise(raw);
-  if (line.empty()) return;
-  const Word word = first_word(line);
-  if (word == Word{'M', 112}) return halt("emergency stop by command", t);
-  if (phase_ != Phase::ready) return emit(Message{"not sent, the printer is not connected: " + line});
-  if (sets_line_number(line) || line.size() > kMaxPayload) return emit(Message{"not sent: " + line});
-  if (is_out_of_band(line)) {
-    link_.send_raw(line, true, t);
-  } else {
-    controls_.push_back(line);
-  }
-  settle(t);
 }
 
 }  // namespace voidpath::fw::marlin

@@ -16,6 +16,11 @@ bool holds_back(const std::string& text) { return is_homing(text) || may_wait_fo
 
 }  // namespace
 
+const std::vector<std::string>& heaters_off() {
+  static const std::vector<std::string> lines = {"M104 S0", "M140 S0", "M107"};
+  return lines;
+}
+
 PrintJob::PrintJob(std::unique_ptr<LineSource> source, Emit emit)
     : source_(std::move(source)), emit_(std::move(emit)) {}
 
@@ -85,7 +90,7 @@ void PrintJob::feed(Link& link, double t) {
     while (state_ == State::feeding && feed_line(link, t) == Step::sent) {
     }
   } catch (const std::exception& error) {
-    end({"M104 S0", "M140 S0", "M107"}, PrintFailed{error.what()}, link, t);
+    end(heaters_off(), PrintFailed{error.what()}, link, t);
     feed_ending(link, t);
   }
 }

@@ -16,6 +16,9 @@ namespace voidpath::fw::marlin {
 /// Emits an event, stamped with the session clock's present time.
 using Emit = std::function<void(decltype(Event::what))>;
 
+/// What leaves a printer cold, line by line.
+const std::vector<std::string>& heaters_off();
+
 /// One print: pulls lines from the source into the link, and ends it, well or not. One thread.
 ///
 /// A heating wait goes out only when everything before it is acknowledged, and nothing follows until it is

@@ -1,0 +1,129 @@
+#include "firmware-io/marlin/driver.h"
+#include "firmware-io/marlin/words.h"
+
+#include <algorithm>
+#include <utility>
+
+/// What the printer says while it is ready, and what that changes.
+namespace voidpath::fw::marlin {
+namespace {
+
+constexpr double kHot_c = 45;
+
+// Marlin offers three at the most; more is noise.
+constexpr int kMostChoices = 16;
+
+}  // namespace
+
+void Driver::dispatch_ready(const Reply& reply, double t) {
+  if (const auto* ok = std::get_if<Ok>(&reply)) {
+    collect(t);
+    // Commands run one after the other: this is the ok of the one that waited for a person.
+    panel_waits_ = false;
+    if (std::exchange(printer_waits_, false)) go_on(t);
+    if (!ok->sensors.empty()) note_sensors(ok->sensors);
+    if (job_) job_->on_ok(link_, !ok->sensors.empty(), t);
+    drop_finished_job();
+  } else if (const auto* report = std::get_if<TemperatureReport>(&reply)) {
+    if (report->waiting) link_.note_progress(t);
+    note_sensors(report->sensors);
+    // Repetier's M105 says ok first and the temperatures on a line of their own.
+    if (job_ && !report->waiting && !reports_by_itself()) {
+      job_->on_ok(link_, true, t);
+      drop_finished_job();
+    }
+  } else if (const auto* error = std::get_if<Error>(&reply)) {
+    on_error(*error, t);
+  } else if (const auto* busy = std::get_if<Busy>(&reply)) {
+    link_.note_busy(t);
+    if (busy->for_user) {
+      link_.hold();
+      panel_waits_ = true;
+      emit(Message{busy->why});
+      if (job_ && job_->goes_on()) {
+        printer_waits_ = true;
+        job_->pause(true, busy->why);
+      }
+    }
+  } else if (std::holds_alternative<Start>(reply)) {
+    on_restart(t);
+  } else if (const auto* action = std::get_if<Action>(&reply)) {
+    on_action(*action, t);
+  } else if (const auto* echo = std::get_if<Echo>(&reply)) {
+    if (queries_unanswered_ == 0) emit(Message{echo->text});
+    const bool odd =
+        echo->text.starts_with("Unknown command") || echo->text.starts_with("too long extrusion");
+    if (job_ && odd) ++odd_commands_;
+    // From here on the print lacks filament: a person decides whether it is worth going on.
+    if (job_ && echo->text.find("extrusion prevented") != std::string::npos) job_->pause(true, echo->text);
+  } else if (const auto* other = std::get_if<Other>(&reply)) {
+    if (queries_unanswered_ == 0) emit(Message{other->text});
+  } else if (const auto* state = std::get_if<PackState>(&reply)) {
+    packing_answered(*state);
+  } else if (const auto* overrun = std::get_if<Overrun>(&reply)) {
+    emit(Message{overrun->text});
+  } else if (const auto* firmware = std::get_if<Firmware>(&reply)) {
+    emit(Message{firmware->info.name});
+  }
+}
+
+void Driver::on_error(const Error& error, double t) {
+  if (error.kind == Error::Kind::framing) return;  // the window's business
+  emit(Message{"Error: " + error.text});
+  if (error.kind != Error::Kind::fatal) return;
+  for (const std::string& line : heaters_off()) link_.send_raw(line, false, t);
+  fail(error.text);
+}
+
+void Driver::on_restart(double t) {
+  const std::string reason = "the printer restarted";
+  if (job_) {
+    report_stats();
+    job_.reset();
+    emit(PrintFailed{reason + " in mid-print"});
+  }
+  forget_dialogue();
+  link_.drop_output();
+  if (std::exchange(connected_, false)) emit(Disconnected{reason});
+  start_seen_ = true;
+  greetings_ = 0;
+  enter(Phase::booting, t + options_.handshake.banner_quiet_s);
+}
+
+void Driver::on_action(const Action& action, double t) {
+  if (action.name.starts_with("prompt_")) return on_prompt(action);
+  emit(Message{"action: " + action.name + (action.argument.empty() ? "" : " " + action.argument)});
+  if (action.name == "pause" || action.name == "paused" || action.name == "out_of_filament") {
+    if (job_) job_->pause(true, action.argument.empty() ? "the printer asked for it" : action.argument);
+    if (action.name == "paused") link_.hold(), panel_waits_ = true;
+  } else if (action.name == "resume" || action.name == "resumed") {
+    go_on(t);
+  } else if (action.name == "cancel") {
+    cancel("the printer asked for it", t);
+  }
+}
+
+// The answer is M876, which command() sends at once.
+void Driver::on_prompt(const Action& action) {
+  if (action.name == "prompt_begin") {
+    prompt_ = "the printer asks: " + action.argument;
+    prompt_choices_ = 0;
+  } else if (action.name == "prompt_choice" || action.name == "prompt_button") {
+    if (prompt_choices_ < kMostChoices)
+      prompt_ += "; M876 S" + std::to_string(prompt_choices_++) + ": " + action.argument;
+  } else if (action.name == "prompt_show" && !prompt_.empty()) {
+    emit(Message{prompt_});
+  } else if (action.name == "prompt_end") {
+    prompt_.clear();
+  }
+}
+
+void Driver::note_sensors(const Sensors& sensors) {
+  hot_ = std::any_of(sensors.begin(), sensors.end(), [](const auto& sensor) {
+    return sensor.second.actual_c > kHot_c || sensor.second.target_c > 0;
+  });
+  polled_t_ = received_t_;
+  emit(Temperatures{sensors});
+}
+
+}  // namespace voidpath::fw::marlin
