@@ -96,6 +96,9 @@ struct PrinterConfig {
   std::string port;
   int baud = 115200;
   bool meatpack = true;  ///< lines go packed where the firmware offers it
+  int keepalive_s = 2;   ///< a Marlin at a long command is to say so this often; 0: as it is set
+  /// False: once opened, the port is closed without a hang-up, so that opening it again restarts no board.
+  bool reset_on_connect = true;
   std::vector<std::filesystem::path> watch;
   bool auto_clear = false;
   std::filesystem::path clock;  ///< empty: the computer's

@@ -73,6 +73,8 @@ void read_printer(Reader& r, PrinterConfig& p, const fs::path& base) {
   r.text("port", p.port);
   r.integer("baud", p.baud, {1200, 4000000});
   r.choice("meatpack", p.meatpack, {{"auto", true}, {"off", false}});
+  r.integer("keepalive_s", p.keepalive_s, {0, 60});  // 60: Marlin takes no more
+  r.flag("reset_on_connect", p.reset_on_connect);
   r.paths("watch", p.watch);
   r.flag("auto_clear", p.auto_clear);
   r.path("clock", p.clock);

@@ -77,6 +77,8 @@ fw::PortOptions port_options(const config::PrinterConfig& printer) {
   out.port = printer.port;
   out.baud = printer.baud;
   out.meatpack = printer.meatpack;
+  out.keepalive_s = printer.keepalive_s;
+  out.reset_on_connect = printer.reset_on_connect;
   out.rx_bytes = profile.limits.rx_bytes;
   out.cancel_gcode = profile.cancel_gcode;
   if (profile.limits.firmware == motion::Firmware::s3g) out.s3g = s3g_machine(profile);

@@ -16,11 +16,14 @@ namespace voidpath::fw {
 struct PortOptions {
   std::string port;  ///< tty path, a pty or a by-id link included
   int baud = 115200;
-  int rx_bytes = 128;      ///< the firmware's receive buffer: rx_bytes - 1 unacknowledged bytes may be out
-  bool meatpack = true;    ///< lines go packed when the firmware offers it
-  double boot_wait_s = 3;  ///< how long to wait for "start" after opening
-  double reconnect_s = 2;  ///< how often a missing port is tried again
-  std::optional<s3g::Machine> s3g;  ///< of a MakerBot; empty: Marlin
+  int rx_bytes = 128;    ///< the firmware's receive buffer: rx_bytes - 1 unacknowledged bytes may be out
+  bool meatpack = true;  ///< lines go packed when the firmware offers it
+  int keepalive_s = 2;   ///< a Marlin at a long command is to say so this often; 0: as it is set
+  /// False: the port is closed without a hang-up, so that opening it again restarts no board.
+  bool reset_on_connect = true;
+  double boot_wait_s = 3;                 ///< how long to wait for "start" after opening
+  double reconnect_s = 2;                 ///< how often a missing port is tried again
+  std::optional<s3g::Machine> s3g;        ///< of a MakerBot; empty: Marlin
   std::vector<std::string> cancel_gcode;  ///< sent after a cancel, before heaters off (lift, park)
 };
 

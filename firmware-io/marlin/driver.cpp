@@ -1,4 +1,5 @@
 #include "firmware-io/marlin/driver.h"
+
 #include "firmware-io/marlin/words.h"
 
 #include <algorithm>
@@ -20,6 +21,15 @@ constexpr double kMute_s = 10;
 // After the printer has said that it halts the port stays open so long, for its last words.
 constexpr double kLastWords_s = 1;
 
+// A silence of so many intervals is none of work.
+constexpr double kKeepalives = 3;
+
+Timing at_pace(Timing timing, int keepalive_s) {
+  timing.busy_silence_s = std::max(timing.busy_silence_s, kKeepalives * keepalive_s);
+  timing.long_busy_silence_s = std::max(timing.long_busy_silence_s, kKeepalives * keepalive_s);
+  return timing;
+}
+
 }  // namespace
 
 Driver::Driver(DriverOptions options, const Clock& stamp, FlightRecorder& recorder,
@@ -28,7 +38,8 @@ Driver::Driver(DriverOptions options, const Clock& stamp, FlightRecorder& record
       stamp_(stamp),
       recorder_(recorder),
       handler_(std::move(handler)),
-      link_(options_.window, options_.timing, options_.byte_s, stamp, recorder) {}
+      link_(options_.window, at_pace(options_.timing, options_.keepalive_s), options_.byte_s, stamp,
+            recorder) {}
 
 void Driver::emit(decltype(Event::what) what) { handler_({stamp_.now_s(), std::move(what)}); }
 
@@ -54,6 +65,10 @@ void Driver::dispatch(const std::string& line, double t) {
   recorder_.received(stamp_.now_s(), line);
   const Reply reply = parse_reply(line);
   if (phase_ == Phase::identifying || phase_ == Phase::ready) link_.on_reply(reply, t);
+  // Klipper says its name behind its ok.
+  if (phase_ == Phase::identifying && std::holds_alternative<Ok>(reply) &&
+      line.find("FIRMWARE_NAME:") != std::string::npos)
+    dispatch_handshake(parse_reply(line.substr(line.find("FIRMWARE_NAME:"))), t);
   if (phase_ == Phase::identifying || queries_unanswered_ > 0) settings_.take(line);
   if (phase_ == Phase::ready) {
     dispatch_ready(reply, t);

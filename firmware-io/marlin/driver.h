@@ -36,6 +36,7 @@ struct DriverOptions {
   double byte_s = 10.0 / 115200;  ///< wire time of one byte
   std::vector<std::string> cancel_gcode;
   bool meatpack = true;  ///< used when the firmware offers it
+  int keepalive_s = 2;   ///< a Marlin at a long command is to say so this often; 0: as it is set
 };
 
 /// The Marlin side of a session: handshake, dialogue, print. See Dialogue.
@@ -82,6 +83,8 @@ class Driver final : public Dialogue {
   void dispatch_ready(const Reply& reply, double t);
   void on_action(const Action& action, double t);
   void on_prompt(const Action& action);
+  void on_echo(const std::string& text);
+  bool was_sent(std::string_view refused) const;
   void on_error(const Error& error, double t);
   void on_restart(double t);
   void go_on(double t);
@@ -91,7 +94,7 @@ class Driver final : public Dialogue {
   void collect(double t);
   void drop_finished_job();
   void forget_dialogue();
-  void ask_limits();
+  void ask_firmware();
   void tell_limits();
   void pump(double t);
   void check_health(double t);
@@ -140,7 +143,7 @@ class Driver final : public Dialogue {
   LinkStats before_print_;  ///< the link's counters when the print began
   std::uint64_t doubtful_seen_ = 0;
   std::uint64_t nameless_seen_ = 0;
-  std::uint64_t odd_commands_ = 0;  ///< unknown, or beyond reason: damage that no checksum showed
+  std::uint64_t odd_commands_ = 0;  ///< never sent, or beyond reason: damage that no checksum showed
   bool printer_waits_ = false;      ///< it said so; paused until its next ok
   bool panel_waits_ = false;        ///< it waits for a person, whoever paused the print
   std::string prompt_;              ///< a question as far as it was heard

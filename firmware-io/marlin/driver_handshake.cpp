@@ -175,16 +175,19 @@ void Driver::become_ready(double t) {
     controls_.push_back("M155 S1");
     polled_t_ = t;
   }
-  ask_limits();
+  ask_firmware();
   emit(Connected{firmware_});
 }
 
-// Klipper and Repetier know neither question; Smoothie means other things by the same letters.
-void Driver::ask_limits() {
-  for (const char* other : {"Klipper", "Repetier", "Smoothie"})
-    if (firmware_.name.find(other) != std::string::npos) return;
-  if (firmware_.name.empty()) return;
+// How it is set up; and that it is to say when it is busy, which many are built without: those answer that
+// they do not know the command. Klipper and Repetier know none of these; Smoothie means other things by the
+// same letters.
+void Driver::ask_firmware() {
+  const auto named = [&](const char* name) { return firmware_.name.find(name) != std::string::npos; };
+  if (firmware_.name.empty() || named("Klipper") || named("Repetier") || named("Smoothie")) return;
   queries_ = {"M503", "M211"};
+  if (options_.keepalive_s > 0 && (named("Marlin") || named("Prusa-Firmware")))
+    queries_.push_front("M113 S" + std::to_string(options_.keepalive_s));
   queries_unanswered_ = static_cast<int>(queries_.size());
 }
 

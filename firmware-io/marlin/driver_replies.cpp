@@ -13,6 +13,17 @@ constexpr double kHot_c = 45;
 // Marlin offers three at the most; more is noise.
 constexpr int kMostChoices = 16;
 
+constexpr std::string_view kUnknown = "Unknown command";
+// What a firmware complains of stands in its command queue or has just left it: more lines than any queue
+// holds.
+constexpr std::uint32_t kLookBack = 128;
+
+std::string without_blanks(std::string_view text) {
+  std::string out(text);
+  std::erase(out, ' ');
+  return out;
+}
+
 }  // namespace
 
 void Driver::dispatch_ready(const Reply& reply, double t) {
@@ -50,12 +61,7 @@ void Driver::dispatch_ready(const Reply& reply, double t) {
   } else if (const auto* action = std::get_if<Action>(&reply)) {
     on_action(*action, t);
   } else if (const auto* echo = std::get_if<Echo>(&reply)) {
-    if (queries_unanswered_ == 0) emit(Message{echo->text});
-    const bool odd =
-        echo->text.starts_with("Unknown command") || echo->text.starts_with("too long extrusion");
-    if (job_ && odd) ++odd_commands_;
-    // From here on the print lacks filament: a person decides whether it is worth going on.
-    if (job_ && echo->text.find("extrusion prevented") != std::string::npos) job_->pause(true, echo->text);
+    on_echo(echo->text);
   } else if (const auto* other = std::get_if<Other>(&reply)) {
     if (queries_unanswered_ == 0) emit(Message{other->text});
   } else if (const auto* state = std::get_if<PackState>(&reply)) {
@@ -67,9 +73,35 @@ void Driver::dispatch_ready(const Reply& reply, double t) {
   }
 }
 
+void Driver::on_echo(const std::string& text) {
+  if (queries_unanswered_ == 0) emit(Message{text});
+  if (!job_) return;
+  if (text.starts_with("too long extrusion") || (text.starts_with(kUnknown) && !was_sent(text)))
+    ++odd_commands_;
+  // From here on the print lacks filament: a person decides whether it is worth going on.
+  if (text.find("extrusion prevented") != std::string::npos) job_->pause(true, text);
+}
+
+// Whether what the firmware does not know stands in a line of ours: then the line was not damaged. Marlin
+// quotes all of it, Klipper its first word.
+bool Driver::was_sent(std::string_view refusal) const {
+  const auto first = refusal.find('"'), last = refusal.rfind('"');
+  if (first == last) return false;
+  const std::string_view quoted = refusal.substr(first + 1, last - first - 1);
+  const std::string wanted = without_blanks(quoted);
+  const Window& window = link_.window();
+  for (std::uint32_t n = window.next_number(), i = 0; i < kLookBack && n > window.first_kept(); ++i) {
+    const std::string& line = window.kept(--n);
+    if (line.substr(0, line.find(' ')) == quoted || without_blanks(line) == wanted) return true;
+  }
+  return false;
+}
+
 void Driver::on_error(const Error& error, double t) {
   if (error.kind == Error::Kind::framing) return;  // the window's business
   emit(Message{"Error: " + error.text});
+  // A part of the print is missing: a person decides, as above.
+  if (error.kind == Error::Kind::refused && job_) job_->pause(true, error.text);
   if (error.kind != Error::Kind::fatal) return;
   for (const std::string& line : heaters_off()) link_.send_raw(line, false, t);
   fail(error.text);

@@ -212,6 +212,7 @@ Reply parse_reply(std::string_view raw) {
   if (line.starts_with("!!")) {
     Error error = parse_error(line.substr(2));
     if (error.text.empty()) error = {Error::Kind::fatal, "halted", {}};
+    if (error.kind == Error::Kind::other) error.kind = Error::Kind::refused;
     return error;
   }
   if (line.starts_with("fatal:")) return parse_error(line);

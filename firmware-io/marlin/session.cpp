@@ -35,8 +35,11 @@ std::unique_ptr<PrinterPort> open_marlin(PortOptions options, std::shared_ptr<co
   session.driver.byte_s = marlin::kBitsPerByte / options.baud;
   session.driver.cancel_gcode = options.cancel_gcode;
   session.driver.meatpack = options.meatpack;
+  session.driver.keepalive_s = options.keepalive_s;
   session.reconnect_s = options.reconnect_s;
-  auto open = [port = options.port, baud = options.baud] { return open_serial_port(port, baud); };
+  auto open = [port = options.port, baud = options.baud, hang_up = options.reset_on_connect] {
+    return open_serial_port(port, baud, hang_up);
+  };
   return marlin::start_session(std::move(session), std::move(open), std::move(clock), std::move(handler));
 }
 

@@ -137,6 +137,8 @@ class Window {
   std::uint32_t next_number() const noexcept { return next_; }
   /// The next line to go out; resend() moves it.
   std::uint32_t cursor() const noexcept { return cursor_; }
+  /// The oldest line that is still kept.
+  std::uint32_t first_kept() const noexcept { return first_kept_; }
   /// The payload of a line not longer ago than the history.
   const std::string& kept(std::uint32_t number) const { return history_[number % history_.size()]; }
   int limit_bytes() const noexcept { return limit_; }

@@ -25,7 +25,9 @@ std::unique_ptr<PrinterPort> open_s3g(PortOptions options, std::shared_ptr<const
   driver.machine = options.s3g.value_or(s3g::Machine{});
   driver.boot_wait_s = options.boot_wait_s;
   driver.cancel_gcode = options.cancel_gcode;
-  auto open = [port = options.port, baud = options.baud] { return open_serial_port(port, baud); };
+  auto open = [port = options.port, baud = options.baud, hang_up = options.reset_on_connect] {
+    return open_serial_port(port, baud, hang_up);
+  };
   return s3g::start_session(std::move(driver), {.reconnect_s = options.reconnect_s}, std::move(open),
                             std::move(clock), std::move(handler));
 }

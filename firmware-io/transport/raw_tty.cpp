@@ -8,15 +8,16 @@
 
 namespace voidpath::fw {
 
-int make_raw(int fd, int baud) noexcept {
+int make_raw(int fd, int baud, bool hang_up) noexcept {
   termios2 tty{};
   if (::ioctl(fd, TCGETS2, &tty) != 0) return errno;
   tty.c_iflag = IGNBRK;
   tty.c_oflag = 0;
   tty.c_lflag = 0;
   constexpr tcflag_t kOwnRate = BOTHER;  // the rates stand in c_ispeed and c_ospeed
-  // HUPCL: when we die, DTR falls, and the next opening resets the board: its heaters go off.
-  tty.c_cflag = CS8 | CREAD | CLOCAL | HUPCL | kOwnRate | (kOwnRate << IBSHIFT);
+  tty.c_cflag = CS8 | CREAD | CLOCAL | kOwnRate | (kOwnRate << IBSHIFT);
+  // When we die, DTR falls, and the next opening resets the board: its heaters go off.
+  if (hang_up) tty.c_cflag |= HUPCL;
   tty.c_ispeed = tty.c_ospeed = static_cast<speed_t>(baud);
   tty.c_cc[VMIN] = 1;
   tty.c_cc[VTIME] = 0;

@@ -56,7 +56,7 @@ int open_plainly(const std::string& path, const std::string& device) {
 
 }  // namespace
 
-std::unique_ptr<Transport> open_serial_port(const std::string& path, int baud) {
+std::unique_ptr<Transport> open_serial_port(const std::string& path, int baud, bool hang_up) {
   const std::string device = resolve(path);
   const bool pseudo = is_pseudo_terminal(device);  // has no modem lines, which the library insists on
   int fd = pseudo ? -1 : open_through_library(device, baud);
@@ -65,7 +65,7 @@ std::unique_ptr<Transport> open_serial_port(const std::string& path, int baud) {
   if (::flock(fd, LOCK_EX | LOCK_NB) != 0) throw PortError(path + ": in use by another program");
   // A pseudo terminal outlives us in its owner's hands and would stay locked.
   if (!pseudo) ::ioctl(fd, TIOCEXCL);
-  if (const int error = make_raw(fd, baud))
+  if (const int error = make_raw(fd, baud, hang_up))
     throw PortError(path + ": cannot set up the line: " + std::strerror(error));
   make_low_latency(fd);
   return transport;

@@ -219,6 +219,8 @@ TEST_CASE("the shipped daemon configuration is valid and says what the defaults 
   REQUIRE(c.printers.size() == 1);
   CHECK_FALSE(c.printers[0].auto_clear);
   CHECK(c.printers[0].meatpack);
+  CHECK(c.printers[0].keepalive_s == PrinterConfig{}.keepalive_s);
+  CHECK(c.printers[0].reset_on_connect == PrinterConfig{}.reset_on_connect);
 }
 
 TEST_CASE("a daemon configuration is checked as a whole") {
@@ -231,6 +233,13 @@ TEST_CASE("a daemon configuration is checked as a whole") {
   const std::string packed = "  - {name: a, profile: generic-marlin, port: /dev/ttyUSB0, meatpack: ";
   CHECK_THAT(load("printers:\n" + packed + "perhaps}\n"), Catch::Contains("meatpack"));
   CHECK_FALSE(load_daemon(scratch.write("v.yaml", "printers:\n" + packed + "off}\n")).printers[0].meatpack);
+  const std::string linked = "  - {name: a, profile: generic-marlin, port: /dev/ttyUSB0, ";
+  CHECK_THAT(load("printers:\n" + linked + "keepalive_s: 61}\n"), Catch::Contains("keepalive_s"));
+  CHECK_THAT(load("printers:\n" + linked + "reset_on_connect: perhaps}\n"), Catch::Contains("reset_on_connect"));
+  const std::string both = "printers:\n" + linked + "keepalive_s: 5, reset_on_connect: false}\n";
+  const PrinterConfig other = load_daemon(scratch.write("v.yaml", both)).printers[0];
+  CHECK(other.keepalive_s == 5);
+  CHECK_FALSE(other.reset_on_connect);
   CHECK_THAT(load("printers:\n" + one + one), Catch::Contains("two printers are called 'a'"));
   CHECK_THAT(load("printers:\n" + one +
                   "  - {name: b, profile: generic-marlin, port: /dev/ttyUSB1, watch: [./in]}\n"),

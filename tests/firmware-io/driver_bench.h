@@ -88,8 +88,8 @@ class DriverBench {
   std::vector<std::string> printed() const {
     std::vector<std::string> out = firmware.executed;
     std::erase_if(out, [](const std::string& line) {
-      return line == "M115" || line == "M503" || line == "M211" || line.starts_with("M155") ||
-             line.starts_with("M110") || line == "M105";
+      return line == "M115" || line == "M503" || line == "M211" || line.starts_with("M113") ||
+             line.starts_with("M155") || line.starts_with("M110") || line == "M105";
     });
     return out;
   }

@@ -15,8 +15,8 @@ TEST_CASE("the handshake learns who the printer is and has it report temperature
   CHECK(info.machine == "Model Machine");
   CHECK(info.capabilities.at("AUTOREPORT_TEMP"));
   CHECK_FALSE(info.capabilities.at("EMERGENCY_PARSER"));
-  REQUIRE(bench.run_until([&] { return bench.firmware.executed.size() == 5; }));
-  CHECK(bench.firmware.executed == Lines{"M110 N0", "M115", "M503", "M211", "M155 S1"});
+  REQUIRE(bench.run_until([&] { return bench.firmware.executed.size() == 6; }));
+  CHECK(bench.firmware.executed == Lines{"M110 N0", "M115", "M113 S2", "M503", "M211", "M155 S1"});
   CHECK(bench.raw.at(0) == "\n");
   CHECK(bench.raw.at(1) == "N0 M110 N0*125\n");
 }

@@ -42,7 +42,7 @@ std::vector<std::string> as_run(std::vector<std::string> lines) {
 }
 
 std::vector<std::string> of_the_file(std::vector<std::string> log) {
-  const std::vector<std::string> own = {"M110", "M115", "M503", "M211", "M155", "M105", "M400"};
+  const std::vector<std::string> own = {"M110", "M115", "M113", "M503", "M211", "M155", "M105", "M400"};
   std::erase_if(log, [&](const std::string& line) {
     return std::find(own.begin(), own.end(), line.substr(0, 4)) != own.end();
   });

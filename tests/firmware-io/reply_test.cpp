@@ -76,11 +76,13 @@ TEST_CASE("fatal errors and complaints are told apart", "[reply]") {
     INFO(line);
     CHECK(as<Error>(line).kind == Error::Kind::fatal);
   }
-  for (const char* line : {"Error:?J out of range (0.01 to 0.3)", "Error:Probing Failed",
-                           "Error:Invalid extruder number", "!! Must home axis first"}) {
+  for (const char* line :
+       {"Error:?J out of range (0.01 to 0.3)", "Error:Probing Failed", "Error:Invalid extruder number"}) {
     INFO(line);
     CHECK(as<Error>(line).kind == Error::Kind::other);
   }
+  CHECK(as<Error>("!! Must home axis first").kind == Error::Kind::refused);
+  CHECK(as<Error>("!! Shutdown due to M112 command").kind == Error::Kind::fatal);
 }
 
 TEST_CASE("busy, start, wait, actions, echoes", "[reply]") {

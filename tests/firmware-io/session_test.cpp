@@ -202,8 +202,8 @@ Lines moves(int n) {
 Lines printed(Peer& peer) {
   Lines out = peer.executed();
   std::erase_if(out, [](const std::string& line) {
-    return line == "M115" || line == "M503" || line == "M211" || line.starts_with("M155") ||
-           line.starts_with("M110") || line == "M105";
+    return line == "M115" || line == "M503" || line == "M211" || line.starts_with("M113") ||
+           line.starts_with("M155") || line.starts_with("M110") || line == "M105";
   });
   return out;
 }

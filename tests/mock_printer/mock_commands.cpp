@@ -187,6 +187,7 @@ bool MockMarlin::execute_host(const Command& c) {
       halt_with("echo:M112 Shutdown\n");
       return true;
     case 113:
+      if (!options_.dialect.busy) return false;
       if (const auto v = c.value('S')) {
         busy_interval_ = *v;
         next_busy_ = now_ + busy_interval_;

@@ -1,0 +1,100 @@
+#include "tests/firmware-io/mock_bench.h"
+
+#include <catch2/catch.hpp>
+
+using namespace voidpath::fw;
+using namespace voidpath::test;
+
+namespace {
+
+std::vector<std::string> keepalives(const MockBench& bench) {
+  std::vector<std::string> out = bench.log;
+  std::erase_if(out, [](const std::string& line) { return !line.starts_with("M113"); });
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("a Marlin is told how often to say that it is busy, others are not", "[keepalive]") {
+  const std::string firmware = GENERATE("marlin2", "marlin1", "prusa", "repetier", "smoothie");
+  const int interval = GENERATE(0, 5);
+  CAPTURE(firmware, interval);
+  marlin::DriverOptions options;
+  options.keepalive_s = interval;
+  MockBench bench(mock::make_mock().firmware(firmware).build(), options);
+  REQUIRE(bench.connect());
+  bench.run_for(5);
+  const bool marlin = firmware != "repetier" && firmware != "smoothie";
+  const std::vector<std::string> wanted =
+      marlin && interval > 0 ? std::vector<std::string>{"M113 S5"} : std::vector<std::string>{};
+  CHECK(keepalives(bench) == wanted);
+}
+
+TEST_CASE("a firmware without M113 says so to nobody and prints as before", "[keepalive]") {
+  mock::Options options = mock::make_mock().instant_moves().build();
+  options.dialect.busy = false;
+  MockBench bench(options);
+  REQUIRE(bench.connect());
+  bench.run_for(5);
+  CHECK(keepalives(bench).size() == 1);
+  for (const Event& event : bench.events)
+    if (const auto* message = std::get_if<Message>(&event.what))
+      CHECK(message->text.find("Unknown") == std::string::npos);
+  CHECK(bench.count<LimitsKnown>() == 1);
+  bench.print({"G1 X10 F600", "G1 X20"});
+  REQUIRE(bench.run_until([&] { return bench.over(); }));
+  CHECK(bench.count<PrintFinished>() == 1);
+}
+
+TEST_CASE("a printer that may be silent for a minute is not given up before", "[keepalive]") {
+  // Longer than what ends a print of a firmware that speaks every two seconds.
+  marlin::DriverOptions options;
+  options.keepalive_s = 60;
+  mock::Options firmware = mock::make_mock().instant_moves().build();
+  firmware.leveling_s = 200;
+  MockBench bench(firmware, options);
+  REQUIRE(bench.connect());
+  bench.print({"G28", "G29", "G1 X10 F600"});
+  REQUIRE(bench.run_until([&] { return bench.over(); }, 600));
+  CHECK(bench.count<PrintFinished>() == 1);
+}
+
+TEST_CASE("a printer set to be mute while it works is made to speak, so that its death is soon known",
+          "[keepalive]") {
+  mock::Options firmware = mock::make_mock().instant_moves().build();
+  firmware.busy_interval_s = 0;  // M113 S0
+  firmware.leveling_s = 100;
+  mock::Fault death;
+  death.kind = mock::FaultKind::kSilence;
+  death.trigger = mock::FaultTrigger::kTime;
+  death.at = 60;
+  death.seconds = 1e6;
+  firmware.faults = {death};
+  MockBench bench(firmware);
+  REQUIRE(bench.connect());
+  bench.print({"G28", "G29", "G1 X10 F600"});
+  REQUIRE(bench.run_until([&] { return bench.over(); }, 2000));
+  CHECK(bench.count<PrintFailed>() == 1);
+  CHECK(bench.printer.now() < 120);
+}
+
+TEST_CASE("what a firmware does not know is a sign of damage only where it was not sent", "[keepalive]") {
+  const bool damaged = GENERATE(false, true);
+  CAPTURE(damaged);
+  MockBench bench(mock::make_mock().cold_extrusion().instant_moves().build());
+  REQUIRE(bench.connect());
+  bool said = false;
+  bench.to_host = [&](std::string text) {
+    if (damaged && bench.count<LineDone>() > 10 && !std::exchange(said, true))
+      text = "echo:Unknown command: \"M862.3 Q\"\n" + text;
+    return text;
+  };
+  std::vector<std::string> file = {"M862.3 P\"MK3S\"", "M572 S0.02"};
+  for (int i = 0; i < 40; ++i) file.push_back("G1 X" + std::to_string(i) + " E" + std::to_string(i));
+  bench.print(file);
+  REQUIRE(bench.run_until([&] { return bench.over(); }));
+  CHECK(bench.count<PrintFinished>() == 1);
+  CHECK(bench.printer.statistics().unknown == 2);
+  CHECK(said == damaged);
+  CHECK(bench.find<LinkStats>(bench.count<LinkStats>() - 1)->doubts == (damaged ? 1 : 0));
+}
