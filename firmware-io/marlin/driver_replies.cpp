@@ -36,7 +36,8 @@ void Driver::dispatch_ready(const Reply& reply, double t) {
     if (job_) job_->on_ok(link_, !ok->sensors.empty(), t);
     drop_finished_job();
   } else if (const auto* report = std::get_if<TemperatureReport>(&reply)) {
-    if (report->waiting) link_.note_progress(t);
+    // One that reports unasked only while it waits for a temperature, as Klipper, does not say that it waits.
+    if (report->waiting || (job_ && job_->heating() && !reports_by_itself())) link_.note_progress(t);
     note_sensors(report->sensors);
     // Repetier's M105 says ok first and the temperatures on a line of their own.
     if (job_ && !report->waiting && !reports_by_itself()) {
