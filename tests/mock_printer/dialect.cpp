@@ -95,6 +95,29 @@ Dialect smoothie() {
   return d;
 }
 
+/// Its pseudo terminal, /tmp/printer.
+Dialect klipper() {
+  Dialect d;
+  d.name = "klipper";
+  d.start.clear();
+  d.identity = "FIRMWARE_NAME:Klipper FIRMWARE_VERSION:v0.12.0-mock";
+  d.halted =
+      "// Once the underlying issue is corrected, use the\n// \"FIRMWARE_RESTART\" command to reset the "
+      "firmware, reload the\n// config, and restart the host software.\n// Printer is shutdown\n";
+  d.stopped = "Shutdown due to M112 command\n";
+  d.power_off.clear();
+  d.checks_lines = d.busy = d.autoreport = d.repeats_silent = false;
+  d.blank_ok = d.identity_in_ok = d.refuses = d.lives_on = d.halts_early = d.bare_temperatures = true;
+  d.queue = 20;
+  d.commands = {"G0",   "G1",   "G4",   "G28",  "G90",  "G91",  "G92",  "M18",  "M82",
+                "M83",  "M84",  "M104", "M105", "M106", "M107", "M109", "M110", "M112",
+                "M114", "M115", "M117", "M118", "M119", "M140", "M190", "M204", "M220",
+                "M221", "M400", "M73",  "G2",   "G3",   "G21",  "T0"};
+  d.unknown = "// Unknown command:";
+  d.quotes_word_only = true;
+  return d;
+}
+
 }  // namespace
 
 std::optional<Dialect> find_dialect(std::string_view name) {
@@ -103,6 +126,7 @@ std::optional<Dialect> find_dialect(std::string_view name) {
   if (name == "prusa") return prusa();
   if (name == "repetier") return repetier();
   if (name == "smoothie") return smoothie();
+  if (name == "klipper") return klipper();
   return std::nullopt;
 }
 

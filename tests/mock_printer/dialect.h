@@ -3,14 +3,17 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 /// How firmwares of one family differ on the wire, as data.
 namespace voidpath::test::mock {
 
 struct Dialect {
   std::string name;
-  std::string banner;    ///< after `start`, each line ended by \n
+  std::string start = "start\n";
+  std::string banner;    ///< behind that, each line ended by \n
   std::string identity;  ///< answer to M115 without its ok
+  std::string stopped = "echo:M112 Shutdown\n";
   std::string halted = "Error:Printer halted. kill() called!\n";
   std::string power_off = "//action:poweroff\n";  ///< after the halt line
   std::string error_prefix = "Error:";
@@ -28,13 +31,23 @@ struct Dialect {
   bool number_16_bit = false;    ///< line numbers compare in their low 16 bits
   bool wait_when_idle = false;   ///< `wait` each second while nothing is queued
   bool names_expected = false;   ///< errors of numbering say "expected X got Y"
+  bool checks_lines = true;      ///< else numbers and checksums are cut off and nothing is refused by them
+  bool identity_in_ok = false;   ///< the identity stands behind the ok of M115
+  bool refuses = false;      ///< moves before homing and cold extrusions are left undone, and `!!` says so
+  bool lives_on = false;     ///< after a halt each line is still answered, and FIRMWARE_RESTART ends it
+  bool halts_early = false;  ///< M112 is seen ahead of what is queued, while the queue has room
+  bool bare_temperatures = false;     ///< B first, one decimal, no power, no W while it waits
+  std::size_t queue = 0;              ///< commands read ahead; 0: as the options say
+  std::vector<std::string> commands;  ///< all it knows; empty: all the mock does
+  std::string unknown = "echo:Unknown command: ";
+  bool quotes_word_only = false;  ///< of an unknown command, not all of it
   std::string wrong_number = "Line Number is not Last Line Number+1, Last Line: ";
   std::string wrong_checksum = "checksum mismatch, Last Line: ";
   std::string no_checksum = "No Checksum with line number, Last Line: ";
   std::string no_number = "No Line Number with checksum, Last Line: ";
 };
 
-/// marlin2, marlin1, prusa, repetier, smoothie; nothing for an unknown name.
+/// marlin2, marlin1, prusa, repetier, smoothie, klipper; nothing for an unknown name.
 std::optional<Dialect> find_dialect(std::string_view name);
 
 }  // namespace voidpath::test::mock

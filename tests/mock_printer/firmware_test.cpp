@@ -227,3 +227,27 @@ TEST_CASE("bytes take their time on the wire, answers too") {
   rig.printer.advance_to(1);
   CHECK(rig.printer.take_output().find("ok\n") != std::string::npos);
 }
+
+TEST_CASE("Klipper's terminal checks no line, names itself behind its ok and answers after a halt") {
+  Rig rig(make_mock().firmware("klipper").build());
+  CHECK(rig.greeting.empty());
+  CHECK(say(rig.printer, "\n; nothing\n") == "ok\nok\n");
+  CHECK(say(rig.printer, "N7 M110 N0*0\nN3 G90*1\n") == "ok\nok\n");
+  CHECK(run(rig.printer, "M115") == "ok FIRMWARE_NAME:Klipper FIRMWARE_VERSION:v0.12.0-mock\n");
+  CHECK(run(rig.printer, "M105") == "ok B:25.0 /0.0 T0:25.0 /0.0\n");
+  CHECK(run(rig.printer, "M155 S1") == "// Unknown command:\"M155\"\nok\n");
+  CHECK(run(rig.printer, "G1 X10") == "!! Must home axis first: 10.000 0.000 0.000 [0.000]\nok\n");
+  CHECK(rig.printer.motion().drained());
+  run(rig.printer, "G28");
+  CHECK(run(rig.printer, "G1 X10 E1") ==
+        "// Extrude below minimum temp\n// See the 'min_extrude_temp' config option for details\n"
+        "!! Extrude below minimum temp\nok\n");
+  // Ahead of what is queued.
+  CHECK(say(rig.printer, "G4 S100\nG1 X1\nN9 M112*3\n").find("!! Shutdown due to M112 command\n") !=
+        std::string::npos);
+  CHECK(rig.printer.halted());
+  CHECK(run(rig.printer, "M105").substr(0, 4) == "ok B");
+  CHECK(run(rig.printer, "G28").find("!! Shutdown due to M112 command\nok\n") != std::string::npos);
+  say(rig.printer, "FIRMWARE_RESTART\n");
+  CHECK_FALSE(rig.printer.halted());
+}

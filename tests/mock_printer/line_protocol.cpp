@@ -61,6 +61,10 @@ std::optional<LineResult> LineProtocol::take(char byte) {
     drop_partial();
     return result;
   }
+  if (!dialect_.checks_lines) {
+    line_ += byte;
+    return std::nullopt;
+  }
   switch (state_) {
     case State::kRestIgnored:
       break;
@@ -89,6 +93,11 @@ std::optional<LineResult> LineProtocol::take(char byte) {
 }
 
 LineResult LineProtocol::finish() {
+  if (!dialect_.checks_lines) {
+    std::string text(command_text(std::string_view(line_).substr(0, line_.find(';'))));
+    if (text.empty()) return IgnoredLine{true};
+    return AcceptedLine{std::move(text), std::nullopt};
+  }
   if (line_.empty()) return IgnoredLine{true};
   // The firmware reads it as a C string.
   line_.resize(std::min(line_.find('\0'), line_.size()));

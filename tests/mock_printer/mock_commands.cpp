@@ -33,10 +33,16 @@ bool is_poll(const Command& c) {
 
 void MockMarlin::execute(const Command& command) {
   if (!is_poll(command)) ++progress_;
-  if (execute_motion(command) || execute_heat(command) || execute_settings(command) || execute_host(command))
+  const std::string word = command.letter() != 0 ? command.letter() + std::to_string(command.code())
+                                                 : command.text().substr(0, command.text().find(' '));
+  const auto& known = options_.dialect.commands;
+  const bool knows = known.empty() || std::find(known.begin(), known.end(), word) != known.end();
+  if (knows && (execute_motion(command) || execute_heat(command) || execute_settings(command) ||
+                execute_host(command)))
     return;
   ++totals_.unknown;
-  write_line("echo:Unknown command: \"" + command.text() + "\"");
+  write_line(options_.dialect.unknown + '"' + (options_.dialect.quotes_word_only ? word : command.text()) +
+             '"');
 }
 
 bool MockMarlin::execute_heat(const Command& c) {
@@ -178,13 +184,13 @@ bool MockMarlin::execute_host(const Command& c) {
       return true;
     case 18:
     case 84:
-      after_drain({});
+      after_drain([this] { homed_ = false; });
       return true;
     case 110:
       if (const auto n = c.value('N')) protocol_.set_last_number(static_cast<std::int64_t>(*n));
       return true;
     case 112:
-      halt_with("echo:M112 Shutdown\n");
+      halt_with(options_.dialect.stopped);
       return true;
     case 113:
       if (!options_.dialect.busy) return false;
@@ -199,6 +205,10 @@ bool MockMarlin::execute_host(const Command& c) {
       report_position();
       return true;
     case 115:
+      if (options_.dialect.identity_in_ok) {
+        ok_tail_ = " " + options_.dialect.identity;
+        return true;
+      }
       write(options_.dialect.identity);
       if (options_.dialect.name == "marlin2")
         write_line(std::string("Cap:EMERGENCY_PARSER:") + (options_.emergency_parser ? "1" : "0"));

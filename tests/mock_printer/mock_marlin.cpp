@@ -1,6 +1,7 @@
 #include "tests/mock_printer/mock_marlin.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace voidpath::test::mock {
 namespace {
@@ -20,6 +21,7 @@ MockMarlin::MockMarlin(const Options& options)
       motion_(options.motion, options.block_buffer),
       hotend_("E0", options.hotend, kHotendGuard),
       bed_("bed", options.bed, kBedGuard) {
+  if (options_.dialect.queue > 0) options_.queue = options_.dialect.queue;
   reset();
   totals_.resets = 0;
   fire_due();
@@ -36,7 +38,7 @@ void MockMarlin::reset() {
   protocol_.reset();
   queue_.clear();
   tasks_.clear();
-  executing_ = halted_ = user_wait_ = heat_wait_ = false;
+  executing_ = halted_ = homed_ = user_wait_ = heat_wait_ = false;
   relative_ = relative_e_ = false;
   feed_ = 25;
   feed_factor_ = flow_ = 1;
@@ -51,7 +53,7 @@ void MockMarlin::reset() {
   emergency_line_.clear();
   boot_until_ = now_ + options_.boot_s;
   next_second_ = next_wait_ = boot_until_ + 1;
-  write("start\n");
+  write(options_.dialect.start);
   write(options_.dialect.banner);
 }
 
@@ -73,24 +75,32 @@ void MockMarlin::receive(char byte) {
   else
     faults_.pass_byte(byte, false, arrived);
   for (const char c : arrived) {
-    if (halted_) return;  // deaf until reset
+    if (halted_ && !options_.dialect.lives_on) return;  // deaf until reset
     if (now_ < boot_until_) {
       ++totals_.bytes_dropped;
       continue;
     }
-    if (options_.emergency_parser) {
-      if (c == '\n' || c == '\r') {
-        emergency(command_text(emergency_line_));
-        emergency_line_.clear();
-      } else if (emergency_line_.size() < kMaxCommandSize) {
-        emergency_line_ += c;
-      }
-    }
+    const bool dead = halted_;
+    if (options_.emergency_parser || options_.dialect.lives_on) emergency_at(c);
+    if (dead || halted_) continue;
     if (ring_.full()) process();
     if (!ring_.push(c)) ++totals_.bytes_dropped;
     // Line by line, so that it makes no difference in what pieces the bytes come.
     if (c == '\n' || c == '\r') process();
   }
+}
+
+/// Seen as it arrives, ahead of what waits.
+void MockMarlin::emergency_at(char byte) {
+  if (byte != '\n' && byte != '\r') {
+    if (emergency_line_.size() < kMaxCommandSize) emergency_line_ += byte;
+    return;
+  }
+  const std::string line = std::exchange(emergency_line_, {});
+  const std::string_view text = command_text(line);
+  if (halted_) return answer_halted(text);
+  const bool stop = Command(text).is('M', 112) && queue_.size() < options_.queue;
+  if (options_.emergency_parser || (options_.dialect.halts_early && stop)) emergency(text);
 }
 
 double MockMarlin::next_event() const {
@@ -239,7 +249,8 @@ void MockMarlin::handle_result(const LineResult& result) {
     const auto& accepted = std::get<AcceptedLine>(result);
     if (accepted_) accepted_(accepted.text, accepted.number);
     // Without an emergency parser these act when they are read, if they came without a number.
-    if (!options_.emergency_parser && !accepted.number) emergency(accepted.text);
+    if (!options_.emergency_parser && !accepted.number && options_.dialect.commands.empty())
+      emergency(accepted.text);
     if (halted_) return;
     queue_.push_back({accepted.text, accepted.number, false});
     if (options_.dialect.ok_at_enqueue) send_ok("");
@@ -251,7 +262,7 @@ void MockMarlin::emergency(std::string_view line) {
   if (command.is('M', 112)) {
     ++totals_.commands;
     if (log_) log_(command.text());
-    halt_with("echo:M112 Shutdown\n");
+    halt_with(options_.dialect.stopped);
   } else if (command.is('M', 108)) {
     heat_wait_ = user_wait_ = false;
   } else if (command.is('M', 876) && options_.emergency_parser) {
@@ -321,7 +332,8 @@ bool MockMarlin::task_done(Task& task) {
       }
       if (now_ >= task_until_) {
         if (task_until_ >= 0) {
-          write_line(" " + temperatures() + task.heat->countdown(now_));
+          write_line(options_.dialect.bare_temperatures ? temperatures()
+                                                        : " " + temperatures() + task.heat->countdown(now_));
           totals_.heating_s += 1;
         }
         task_until_ = now_ + 1;

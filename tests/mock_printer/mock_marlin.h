@@ -107,6 +107,9 @@ class MockMarlin final : public Firmware {
   void handle_line_end(char byte);
   void handle_result(const LineResult& result);
   void emergency(std::string_view line);
+  void emergency_at(char byte);
+  void answer_halted(std::string_view line);
+  void refuse_command(std::string_view why);
   void quick_stop();
   void refuse(const RefusedLine& refused);
   void begin_command();
@@ -118,6 +121,7 @@ class MockMarlin final : public Firmware {
   void write_line(std::string_view text);
   void apply(const Fault& fault);
   void kill(std::string_view reason, std::string_view heater);
+  void tell_halt();
   void halt_with(std::string_view first_line);
   void tick_second();
   std::string temperatures() const;
@@ -170,6 +174,8 @@ class MockMarlin final : public Firmware {
   double slow_s_ = 0;
   std::uint64_t slow_commands_ = 0;
   bool halted_ = false;
+  bool homed_ = false;
+  std::string halt_reason_;  ///< as it was said first
   bool user_wait_ = false, heat_wait_ = false;
   std::optional<double> unplug_;
   std::string emergency_line_;

@@ -90,6 +90,18 @@ void MockMarlin::queue_move(Axes target) { tasks_.push_back({.kind = Task::Kind:
 void MockMarlin::move(const Command& c) {
   const Axes target = target_of(c);
   hotend_.heater().update(now_);
+  if (options_.dialect.refuses) {
+    const bool travels = !std::equal(target.begin(), target.begin() + kE, position_.begin());
+    if (travels && !homed_)
+      return refuse_command("Must home axis first: " + fixed(target[kX], 3) + " " + fixed(target[kY], 3) +
+                            " " + fixed(target[kZ], 3) + " [" + fixed(target[kE], 3) + "]");
+    if (target[kE] != position_[kE] && !cold_allowed_ &&
+        hotend().temperature() < options_.min_extrusion_temperature) {
+      write_line("// Extrude below minimum temp");
+      write_line("// See the 'min_extrude_temp' config option for details");
+      return refuse_command("Extrude below minimum temp");
+    }
+  }
   if (target[kE] != position_[kE] && !cold_allowed_ &&
       hotend().temperature() < options_.min_extrusion_temperature) {
     write_line("echo: cold extrusion prevented");
@@ -164,7 +176,8 @@ void MockMarlin::home(const Command& c) {
   }
   after_drain({});
   tasks_.push_back({.kind = Task::Kind::kDwell, .seconds = seconds, .account = &totals_.homing_s});
-  tasks_.push_back({.kind = Task::Kind::kCall, .action = [this, homed] {
+  tasks_.push_back({.kind = Task::Kind::kCall, .action = [this, homed, all] {
+                      homed_ = homed_ || all;
                       for (std::size_t i = 0; i < 3; ++i)
                         if (homed[i]) position_[i] = 0;
                       motion_.set_position(position_);

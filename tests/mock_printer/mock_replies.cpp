@@ -73,11 +73,14 @@ std::optional<double> MockMarlin::take_unplug() {
 }
 
 std::string MockMarlin::temperatures() const {
+  const bool bare = options_.dialect.bare_temperatures;
   const auto one = [&](const char* name, const GuardedHeater& heater) {
     Heater present = heater.heater();
     present.update(now_);
-    return name + fixed(present.temperature(), 2) + " /" + fixed(present.target(), 2);
+    const int decimals = bare ? 1 : 2;
+    return name + fixed(present.temperature(), decimals) + " /" + fixed(present.target(), decimals);
   };
+  if (bare) return one("B:", bed_) + " " + one("T0:", hotend_);
   return one("T:", hotend_) + " " + one("B:", bed_) + " @:" + std::to_string(hotend().power()) +
          " B@:" + std::to_string(bed().power());
 }
@@ -111,7 +114,25 @@ void MockMarlin::apply(const Fault& fault) {
   }
 }
 
+/// What a line gets that comes after a halt, where anything answers.
+void MockMarlin::answer_halted(std::string_view line) {
+  if (line == "FIRMWARE_RESTART") return reset();
+  const Command command(line);
+  if (command.is('M', 105)) return send_ok(" " + temperatures());
+  if (command.is('M', 115)) return send_ok(" " + options_.dialect.identity);
+  if (!command.is('M', 110) && !line.empty()) tell_halt();
+  send_ok("");
+}
+
+/// Leaves the command undone.
+void MockMarlin::refuse_command(std::string_view why) {
+  write_line("!! " + std::string(why));
+  tasks_.clear();
+}
+
 void MockMarlin::kill(std::string_view reason, std::string_view heater) {
+  if (options_.dialect.lives_on)
+    return halt_with(std::string(reason) + " (" + std::string(heater) + "), shutdown\n");
   halt_with("Error:" + std::string(reason) + ", system stopped! Heater_ID: " + std::string(heater) +
             "\n\necho:" + std::string(reason) + "\n");
 }
@@ -125,9 +146,20 @@ void MockMarlin::halt_with(std::string_view first_line) {
   queue_.clear();
   ring_.clear();
   executing_ = false;
-  write(first_line);
-  write(options_.dialect.halted);
-  write(options_.dialect.power_off);
+  halt_reason_ = first_line;
+  tell_halt();
+}
+
+void MockMarlin::tell_halt() {
+  const Dialect& d = options_.dialect;
+  if (d.lives_on) {
+    const std::string_view why = std::string_view(halt_reason_).substr(0, halt_reason_.find('\n'));
+    write("// " + std::string(why) + "\n" + d.halted + "!! " + std::string(why) + "\n");
+    return;
+  }
+  write(halt_reason_);
+  write(d.halted);
+  write(d.power_off);
 }
 
 Statistics MockMarlin::statistics() const {

@@ -1,0 +1,112 @@
+// Klipper's pseudo terminal: no boot to be heard, no numbers checked, `!!` for what it will not do.
+#include "tests/firmware-io/mock_bench.h"
+
+#include <catch2/catch.hpp>
+
+using namespace voidpath::fw;
+using namespace voidpath::test;
+
+namespace {
+
+mock::OptionsBuilder klipper() { return mock::make_mock().firmware("klipper"); }
+
+std::vector<std::string> moves(int n) {
+  std::vector<std::string> file = {"G28"};
+  for (int i = 1; i <= n; ++i) file.push_back("G1 X" + std::to_string(i) + " E" + std::to_string(i));
+  return file;
+}
+
+std::uint64_t doubts(const MockBench& bench) {
+  return bench.find<LinkStats>(bench.count<LinkStats>() - 1)->doubts;
+}
+
+}  // namespace
+
+TEST_CASE("Klipper says who it is behind its ok, and is asked nothing it does not know", "[klipper]") {
+  MockBench bench(klipper().build());
+  REQUIRE(bench.connect());
+  CHECK(bench.find<Connected>()->firmware.name == "Klipper");
+  bench.run_for(10);
+  CHECK(bench.printer.statistics().unknown == 0);
+  REQUIRE(bench.count<Temperatures>() > 0);
+  const auto& sensors = bench.find<Temperatures>()->sensors;
+  CHECK(sensors.count("T0") == 1);
+  CHECK(sensors.count("B") == 1);
+}
+
+TEST_CASE("a print on Klipper waits out a heating longer than any patience, and ends", "[klipper]") {
+  mock::Options options = klipper().instant_moves().build();
+  // 2.2 K a minute: just what the guard over it lets pass, and 16 minutes to 60 °C.
+  options.bed = {.ambient = 25, .full_power = 1000, .time_constant = 26600, .maximum = 120};
+  MockBench bench(options);
+  REQUIRE(bench.connect());
+  std::vector<std::string> file = moves(20);
+  file.insert(file.begin() + 1, {"M201 X500", "M190 S60", "M109 S200"});
+  bench.print(file);
+  REQUIRE(bench.run_until([&] { return bench.over(); }, 5000));
+  CHECK(bench.count<PrintFinished>() == 1);
+  CHECK(bench.printer.statistics().heating_s > 900);
+  CHECK(bench.count<Paused>() == 0);
+  // M201 is unknown there, and was meant.
+  CHECK(bench.printer.statistics().unknown == 1);
+  CHECK(doubts(bench) == 0);
+}
+
+TEST_CASE("what Klipper will not do pauses the print with its reason", "[klipper]") {
+  MockBench bench(klipper().instant_moves().build());
+  REQUIRE(bench.connect());
+  const bool cold = GENERATE(false, true);
+  std::vector<std::string> file = moves(200);
+  if (!cold) file.erase(file.begin());
+  bench.print(file);
+  REQUIRE(bench.run_until([&] { return bench.count<Paused>() > 0; }));
+  CHECK(bench.find<Paused>()->by_printer);
+  const std::string reason = bench.find<Paused>()->reason;
+  if (cold)
+    CHECK(reason == "Extrude below minimum temp");
+  else
+    CHECK_THAT(reason, Catch::StartsWith("Must home axis first"));
+  bench.run_for(10);
+  CHECK_FALSE(bench.over());
+  CHECK(bench.log.size() < 100);
+  bench.driver.cancel("", bench.t());
+  REQUIRE(bench.run_until([&] { return bench.over(); }));
+  CHECK(bench.count<PrintCancelled>() == 1);
+}
+
+TEST_CASE("an emergency stop reaches Klipper ahead of what is queued; restarted, it prints again",
+          "[klipper]") {
+  MockBench bench(klipper().cold_extrusion().build());
+  REQUIRE(bench.connect());
+  std::vector<std::string> file = {"G28"};
+  for (int i = 0; i < 400; ++i) file.push_back("G1 X" + std::to_string(i % 2 == 0 ? 60 : 0) + " F3000");
+  bench.print(file);
+  bench.run_for(8);
+  REQUIRE(bench.count<LineDone>() > 5);
+  bench.driver.halt("button", bench.t());
+  bench.printer.feed(std::exchange(bench.driver.output(), {}));
+  CHECK(bench.printer.halted());
+  REQUIRE(bench.run_until([&] { return bench.driver.closing(); }, 30));
+  bench.printer.feed("FIRMWARE_RESTART\n");
+  REQUIRE(bench.run_until([&] { return bench.count<Connected>() == 2; }));
+  bench.run_for(1);
+  const int finished = bench.count<PrintFinished>();
+  bench.print({"G28", "G1 X10 F600"});
+  REQUIRE(bench.run_until([&] { return bench.count<PrintFinished>() > finished; }));
+}
+
+TEST_CASE("a Klipper that is shut down fails the print in its words", "[klipper]") {
+  mock::Options options = klipper().instant_moves().cold_extrusion().build();
+  mock::Fault halt;
+  halt.kind = mock::FaultKind::kHalt;
+  halt.trigger = mock::FaultTrigger::kLine;
+  halt.at = 50;
+  halt.text = "Heater extruder not heating at expected rate";
+  options.faults = {halt};
+  MockBench bench(options);
+  REQUIRE(bench.connect());
+  bench.print(moves(200));
+  REQUIRE(bench.run_until([&] { return bench.over(); }));
+  REQUIRE(bench.count<PrintFailed>() == 1);
+  CHECK_THAT(bench.find<PrintFailed>()->reason, Catch::Contains("not heating at expected rate"));
+}
