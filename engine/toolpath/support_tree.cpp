@@ -30,6 +30,11 @@ constexpr double kMinRadiusMm = 0.1;
 constexpr double kColumnMarginMm = 0.6;
 /// A branch is carried by one below that it overlaps, or nearly: a share of a line's width.
 constexpr double kCarriedShare = 0.25;
+/// Dense lines go over from one tip to the next if what is between them is no wider than twice this share of
+/// the tips' distance...
+constexpr double kRoofSpanShare = 0.6;
+/// ...and on beyond the last one by this share of it.
+constexpr double kRoofBeyondShare = 0.5;
 constexpr double kMm2 = geom::kNmPerMm * geom::kNmPerMm;
 
 /// The contact's part that has room in all layers from `low` up to its own.
@@ -76,15 +81,30 @@ std::vector<Regions> floating(const std::vector<SupportAreas>& trees, const slic
   return out;
 }
 
+/// Dense lines in layer i, as far as what lies below bears them.
+Regions borne(const Regions& roof, std::size_t i, const std::vector<SupportAreas>& trees,
+              const slice::LayerStack& stack, const SliceSettings& s) {
+  const double between = kRoofSpanShare * s.tree_tip_distance_mm;
+  const double beyond = kRoofBeyondShare * s.tree_tip_distance_mm;
+  Regions held = geom::offset(geom::close(printed_area(trees[i - 1]), from_mm(between), geom::Join::round),
+                              from_mm(beyond), geom::Join::round);
+  const std::size_t rest = layer_below_gap(stack, i, s.support_z_gap_mm);
+  if (s.support == SupportMode::everywhere && rest < stack.size())
+    held = quick_unite(held, geom::offset(quick_intersect(roof, stack[rest].regions),
+                                          from_mm(kCarriedShare * s.line_width_mm)));
+  const Regions out = quick_intersect(roof, held);
+  return geom::remove_small(geom::open(out, from_mm(0.5 * s.line_width_mm)), kMinRoofMm2 * kMm2);
+}
+
 /// From the plate up, leaves out what still begins in the air, and so all that stands on that alone.
 void drop_unfounded(std::vector<SupportAreas>& trees, const slice::LayerStack& stack, const SliceSettings& s,
                     const run::Context& ctx) {
   for (std::size_t i = 1; i < trees.size(); ++i) {
     ctx.check();
-    for (Regions* areas : {&trees[i].branches, &trees[i].interface}) {
-      const Regions air = unfounded(*areas, i, trees, stack, s);
-      if (!air.empty()) *areas = quick_subtract(*areas, air);
-    }
+    const Regions air = unfounded(trees[i].branches, i, trees, stack, s);
+    if (!air.empty()) trees[i].branches = quick_subtract(trees[i].branches, air);
+    Regions& roof = trees[i].interface;
+    if (!roof.empty() && roof != trees[i - 1].interface) roof = borne(roof, i, trees, stack, s);
   }
 }
 
@@ -128,17 +148,7 @@ std::vector<SupportAreas> support_trees(const slice::LayerStack& stack, const Su
     return out;
   rest.forbidden = task.forbidden;
   const std::vector<SupportAreas> columns = support_columns(stack, rest, settings, ctx);
-  // What neither holds needs no roof: it would hang in the air.
-  std::vector<Regions> lost(n);
   run::parallel_for(ctx, top, [&](std::size_t i) {
-    if (roofs == 0 || branches.unheld[i].empty()) return;
-    const Regions near = geom::offset(printed_area(columns[i]), from_mm(settings.line_width_mm));
-    lost[i + roofs] =
-        geom::open(quick_subtract(branches.unheld[i], near), from_mm(0.5 * settings.line_width_mm));
-  });
-  run::parallel_for(ctx, top, [&](std::size_t i) {
-    for (std::size_t c = i; c < std::min(n, i + roofs); ++c)
-      out[i].interface = quick_subtract(out[i].interface, lost[c]);
     out[i].interface = quick_unite(out[i].interface, columns[i].interface);
     out[i].branches = quick_subtract(out[i].branches, columns[i].interface);
     const Regions rest_of_tree = quick_unite(out[i].interface, out[i].branches);

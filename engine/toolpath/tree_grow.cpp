@@ -123,48 +123,52 @@ class Grower {
   }
 
   void place_tips(std::size_t i) {
+    for (const geom::Region& region : held_[i]) place_tips(i, region);
+  }
+
+  /// Each area is held by what is below itself: a branch that passes beside it bears nothing of it.
+  void place_tips(std::size_t i, const geom::Region& region) {
     const double apart = s_.tree_tip_distance_mm * kNm;
-    bool missed = false;
-    for (const geom::Region& region : held_[i]) {
-      const std::vector<Point> places = tip_places({region}, tip_mm_ * kNm, apart);
-      for (const Point& wanted : places) {
-        if (crowded(wanted, kCrowded * apart)) continue;
-        const auto tip = tip_at(i, wanted);
-        if (tip) nodes_.push_back(*tip);
-        missed = missed || !tip;
-      }
-      // However near its neighbours are, an area of its own needs a branch of its own.
-      for (const Point& wanted : places) {
-        if (stands(region)) break;
-        if (const auto tip = tip_at(i, wanted)) nodes_.push_back(*tip);
-      }
-      missed = missed || !stands(region);
-      // Where all that is near a place left tips out, or moved aside, none may be near enough.
-      for (const Point& p : samples(region, kSampleShare * apart)) {
-        if (crowded(p, kReach * apart)) continue;
-        const auto tip = tip_at(i, p);
-        if (tip && !crowded(tip->at, 0.5 * kReach * apart)) nodes_.push_back(*tip);
-      }
-    }
-    if (missed) leave_unheld(i);
-  }
-
-  bool crowded(const Point& p, double within) const {
-    return std::any_of(nodes_.begin(), nodes_.end(),
-                       [&](const Node& n) { return geom::distance(n.at, p) < within; });
-  }
-
-  bool stands(const geom::Region& region) const {
-    return std::any_of(nodes_.begin(), nodes_.end(),
-                       [&](const Node& n) { return geom::contains(region, n.at); });
-  }
-
-  void leave_unheld(std::size_t i) {
-    geom::Rings discs;
+    std::vector<Point> own;
+    const geom::AreaGrid grid(geom::offset({region}, from_mm(tip_mm_)));
     for (const Node& n : nodes_)
-      discs.push_back(geom::make_circle(n.at, from_mm(s_.tree_tip_distance_mm), 16));
-    out_.unheld[i] =
-        geom::remove_small(quick_subtract(held_[i], geom::unite(discs)), kMinUnheldMm2 * kNm * kNm);
+      if (grid.contains(n.at)) own.push_back(n.at);
+    const auto near = [&](const Point& p, double within) {
+      return std::any_of(own.begin(), own.end(),
+                         [&](const Point& q) { return geom::distance(p, q) < within; });
+    };
+    const auto put = [&](const Node& tip) {
+      nodes_.push_back(tip);
+      own.push_back(tip.at);
+    };
+    const std::vector<Point> places = tip_places({region}, tip_mm_ * kNm, apart);
+    for (const Point& wanted : places) {
+      if (near(wanted, kCrowded * apart)) continue;
+      if (const auto tip = tip_at(i, wanted)) put(*tip);
+    }
+    // However near its neighbours are, an area of its own needs a branch of its own.
+    const auto inside = [&](const Point& p) { return geom::contains(region, p); };
+    for (const Point& wanted : places) {
+      if (std::any_of(own.begin(), own.end(), inside)) break;
+      if (const auto tip = tip_at(i, wanted)) put(*tip);
+    }
+    // Where all that is near a place left tips out, or moved aside, none may be near enough.
+    bool missed = false;
+    for (const Point& p : samples(region, kSampleShare * apart)) {
+      if (near(p, kReach * apart)) continue;
+      const auto tip = tip_at(i, p);
+      if (tip && !near(tip->at, 0.5 * kReach * apart)) put(*tip);
+      missed = missed || !near(p, kReach * apart);
+    }
+    if (missed) leave_unheld(i, region, own);
+  }
+
+  void leave_unheld(std::size_t i, const geom::Region& region, const std::vector<Point>& tips) {
+    geom::Rings discs;
+    for (const Point& p : tips)
+      discs.push_back(geom::make_circle(p, from_mm(kReach * s_.tree_tip_distance_mm), 16));
+    append(out_.unheld[i],
+           geom::remove_small(quick_subtract({region}, geom::unite(discs)), kMinUnheldMm2 * kNm * kNm));
   }
 
   double wanted_radius_mm(const Node& node, std::size_t i) const {

@@ -258,6 +258,16 @@ class Checker {
     run.reset();
   }
 
+  /// Of layers up to this height.
+  void cast_shadow(double up_to) {
+    for (const Seen& s : below_) {
+      if (s.top <= shadow_top_ || s.top > up_to + kSamePlace) continue;
+      if (shadow_.empty()) shadow_.assign(grid_.count(), 0);
+      for (std::size_t p = 0; p < shadow_.size(); ++p) shadow_[p] |= s.section.most[p];
+      shadow_top_ = s.top;
+    }
+  }
+
   void held(std::size_t i) {
     const Layer& l = print_.layers[i];
     std::map<long, std::unique_ptr<Ground>> grounds;  // by the underside, µm
@@ -266,6 +276,13 @@ class Checker {
       auto& g = grounds[std::lround(1000 * z)];
       if (!g) g = std::make_unique<Ground>(below_, rules_, grid_, z, l.height);
       return *g;
+    };
+    if (rules_.from_plate) cast_shadow(l.top - l.height - rules_.support_z_gap);
+    std::optional<Nearby> shadow;
+    if (!shadow_.empty()) shadow.emplace(shadow_, grid_);
+    const auto excused = [&](double x, double y) {
+      const auto p = grid_.pixel(x, y);
+      return shadow && p && shadow->within(*p, rules_.line_width);
     };
     std::optional<Run> run;
     const Bead* before = nullptr;
@@ -284,7 +301,8 @@ class Checker {
       for (int k = 0; k < n; ++k) {
         const double t = (k + 0.5) / n;
         const double x = b.x0 + t * (b.x1 - b.x0), y = b.y0 + t * (b.y1 - b.y0);
-        if (support ? ground.holds_support(x, y, b.kind == Kind::roof) : ground.holds(x, y)) {
+        if (support ? ground.holds_support(x, y, b.kind == Kind::roof)
+                    : ground.holds(x, y) || excused(x, y)) {
           close(run, i, false);
           continue;
         }
@@ -303,6 +321,8 @@ class Checker {
   double thickest_ = 0;  ///< layer, mm
   Section next_;
   std::deque<Seen> below_;
+  Mask shadow_;            ///< of the part, where that matters, up to...
+  double shadow_top_ = 0;  ///< ...this height, mm
   Findings found_;
 };
 

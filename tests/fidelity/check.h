@@ -43,9 +43,9 @@ struct Findings {
 
 /// `mesh` in plate coordinates, standing at the rules' ground.
 /// Surfaces: a layer's area less the next one's, without a line width at its border and the pixels' error.
-/// Held: as Ground says.
-/// Of a vase the wall alone is looked at above its floor: it may lie anywhere between its own layer's outline
-/// and that of the layer below, and nothing is to be inside.
+/// Held: as Ground says; with support from the plate alone, only what support that stands straight up from
+/// the plate could hold. Of a vase the wall alone is looked at above its floor: it may lie anywhere between
+/// its own layer's outline and that of the layer below, and nothing is to be inside.
 Findings check(const mesh::TriangleMesh& mesh, const Print& print, const Rules& rules);
 
 }  // namespace voidpath::fidelity

@@ -97,15 +97,8 @@ void Ground::look_down(double underside) {
   }
 }
 
-std::optional<std::size_t> Ground::pixel(double x, double y) const {
-  const int i = static_cast<int>(std::floor((x - grid_.x0) / grid_.size));
-  const int j = static_cast<int>(std::floor((y - grid_.y0) / grid_.size));
-  if (i < 0 || j < 0 || i >= grid_.nx || j >= grid_.ny) return std::nullopt;
-  return grid_.at(i, j);
-}
-
 bool Ground::holds(double x, double y) {
-  const auto p = pixel(x, y);
+  const auto p = grid_.pixel(x, y);
   if (near_plate_ && rules_.ground <= 0) return true;
   if (!p || under_ == nullptr) return false;
   if (near(part_, *p, under_->section.most[*p] != 0 ? sparse_ : lean_)) return true;
@@ -114,7 +107,7 @@ bool Ground::holds(double x, double y) {
 
 bool Ground::holds_support(double x, double y, bool roof) {
   if (on_plate_) return true;
-  const auto p = pixel(x, y);
+  const auto p = grid_.pixel(x, y);
   if (!p) return false;
   const double lean = roof ? roof_lean_ : support_lean_;
   return near(own_support_, *p, lean) || near(rests_, *p, lean);

@@ -42,7 +42,6 @@ class Ground {
  private:
   bool support_fits(double from, double to) const;
   void look_down(double underside);
-  std::optional<std::size_t> pixel(double x, double y) const;
 
   const std::deque<Seen>& below_;
   const Rules& rules_;

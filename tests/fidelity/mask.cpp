@@ -59,6 +59,13 @@ void column_pass(std::vector<float>& d, const Grid& grid) {
 
 }  // namespace
 
+std::optional<std::size_t> Grid::pixel(double x, double y) const {
+  const int i = static_cast<int>(std::floor((x - x0) / size));
+  const int j = static_cast<int>(std::floor((y - y0) / size));
+  if (i < 0 || j < 0 || i >= nx || j >= ny) return std::nullopt;
+  return at(i, j);
+}
+
 void draw(Mask& mask, const Grid& grid, const Bead& bead, double wider) {
   const double r = 0.5 * bead.width + wider;
   const auto pixel = [&](double v, double origin) {

@@ -20,6 +20,8 @@ struct Grid {
     return static_cast<std::size_t>(j) * static_cast<std::size_t>(nx) + static_cast<std::size_t>(i);
   }
   double area() const { return size * size; }
+  /// The pixel that holds the point, if any does.
+  std::optional<std::size_t> pixel(double x, double y) const;
 };
 
 using Mask = std::vector<std::uint8_t>;  ///< 1 where something is

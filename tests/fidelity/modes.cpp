@@ -13,11 +13,9 @@ Bounds Mode::bounds(const Rules& rules) const {
   Bounds b = bounds_for(rules);
   // One round wall follows the outline wherever it leans: what is too much is for whoever chooses a vase.
   if (rules.vase) b.held = false;
-  // Support from the plate alone leaves unheld what has the part below.
   const auto is_set = [&](const char* key, const char* value) {
     return std::find(set.begin(), set.end(), std::pair<std::string, std::string>{key, value}) != set.end();
   };
-  if (is_set("slice.support", "plate")) b.held = false;
   // Without a roof the part's underside is a web of bridges from tip to tip, whose pieces meet anywhere: a
   // line may be missing between two of them.
   if (is_set("slice.support_interface_layers", "0")) b.bottom_hole = rules.line_width;
@@ -28,6 +26,7 @@ const std::vector<Mode>& modes() {
   static const std::vector<Mode> all = {
       {"trees", {{"slice.support_style", "tree"}}, {"spool", "ball"}},
       {"trees from the plate", {{"slice.support_style", "tree"}, {"slice.support", "plate"}}, {"ball"}},
+      {"columns from the plate", {{"slice.support", "plate"}}, {"spool", "ball"}},
       {"trees without roofs",
        {{"slice.support_style", "tree"}, {"slice.support_interface_layers", "0"}},
        {"spool"}},

@@ -101,6 +101,29 @@ TEST_CASE("support that begins in the air is seen, in either style") {
   }
 }
 
+TEST_CASE("support from the plate alone is asked for where the plate can give it, and only there") {
+  for (const char* style : {"grid", "tree"}) {
+    const Set set{{"slice.support_style", style}, {"slice.support", "plate"}};
+    // A spool's cap reaches beyond its foot, another's does not.
+    const auto other = test::joined(spool(), test::moved(test::box(17, 14, 1.6), -8.5, -7, 0));
+    for (const bool in_reach : {true, false}) {
+      Sliced part = sliced(in_reach ? spool() : other, options_for(set));
+      std::istringstream in(part.gcode);
+      std::string line, type, cut;
+      while (std::getline(in, line)) {
+        if (line.rfind(";TYPE:", 0) == 0) type = line.substr(6);
+        const bool drop =
+            type.rfind("Support", 0) == 0 && (line.rfind("G1 X", 0) == 0 || line.rfind("G1 Y", 0) == 0);
+        cut += (drop ? line.substr(0, line.find(" E")) : line) + "\n";
+      }
+      part.gcode = std::move(cut);
+      const Findings f = checked(part);
+      INFO(told(style, f));
+      CHECK((std::max(f.loose.value, f.unannounced.value) > 2) == in_reach);
+    }
+  }
+}
+
 TEST_CASE("each way of slicing gives the same bytes on one thread and on many") {
   for (const Mode& m : modes()) {
     const Shape& shape = shapes()[m.suits("spool") ? 0 : 2];
@@ -122,7 +145,7 @@ TEST_CASE("real parts, sliced in every way", "[.every]") {
   for (const char* name :
        {"mendel90__z_coupling.stl", "calibration-shapes__HollowCalibrationCube.stl", "superslicer__A.obj",
         "3d-printing__Ritzel.stl", "numpy-stl__bwb.stl", "original-prusa-i3__fan-shroud.stl",
-        "rpg-scad__gnome.stl", "calibration-shapes__SupportTest.stl"}) {
+        "rpg-scad__gnome.stl", "calibration-shapes__SupportTest.stl", "dotscad_drilled_cube.stl"}) {
     if (only != nullptr && std::string(name).find(only) == std::string::npos) continue;
     const mesh::TriangleMesh mesh = imported(test::real_model(fs::path(shared) / "models" / name));
     for (const Mode& m : modes()) {

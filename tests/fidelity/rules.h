@@ -13,6 +13,9 @@ struct Rules {
   double support_z_gap = 0.2;
   double support_reach = 0.5;    ///< what is printed may be so far beside support
   double branch_angle_deg = 45;  ///< support may lean out so far
+  /// Support stands on the plate alone: what has the part below itself, a gap away at least, or a line's
+  /// width beside that, need not be held.
+  bool from_plate = false;
   /// Where the part begins: above the raft and its gap; 0 on the plate.
   double ground = 0;
   double outer_growth = 0;  ///< by which outer contours are to be larger than the mesh

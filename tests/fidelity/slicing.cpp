@@ -40,6 +40,7 @@ Rules rules_for(const toolpath::SliceSettings& s) {
   r.branch_angle_deg = s.support_style == toolpath::SupportStyle::tree
                            ? degrees(slope(s.tree_branch_angle_deg) + kBranchWidening)
                            : s.support_angle_deg;
+  r.from_plate = s.support == toolpath::SupportMode::plate;
   r.ground = ground_of(s);
   r.outer_growth = s.xy_compensation_mm;
   r.hole_growth = s.hole_compensation_mm;

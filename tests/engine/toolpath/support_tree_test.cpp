@@ -167,6 +167,42 @@ TEST_CASE("branches lean out around the part where columns from the plate cannot
   for (std::size_t i = 10; i < 13; ++i) CHECK(area_mm2(geom::intersect(tree.layers[i].support, foot)) < 1e-3);
 }
 
+TEST_CASE("a roof reaches no further than what is below it bears") {
+  // A closed box whose floor covers three quarters of it: from the plate only some of the lid is in reach.
+  const auto stack = stack_of(9, 0.2, [](double z) {
+    geom::Regions box{rectangle(60, 60, 100, 100)};
+    if (z < 8) box = geom::subtract(box, {rectangle(62, 62, 98, 98)});
+    if (z < 1) box = geom::unite(geom::rings_of({box.front(), rectangle(60, 60, 100, 90)}));
+    return box;
+  });
+  const auto plan = toolpath::build(stack, settings(SupportStyle::tree, SupportMode::plate));
+  std::size_t seen = 0;
+  for (std::size_t i = 1; i < stack.size(); ++i)
+    for (const auto& path : plan.layers[i].paths)
+      for (const auto& p : path.points) {
+        if (path.role != Role::support_interface) continue;
+        ++seen;
+        CAPTURE(i, geom::to_mm(p.x), geom::to_mm(p.y));
+        CHECK(near_any(plan.layers[i - 1].support, p, 1.6));
+      }
+  CHECK(seen > 100);
+}
+
+TEST_CASE("a small area is held, though branches of others pass beside it") {
+  // A post whose cap is held all around, and a slat right below the cap's edge, 0.6 mm off its branches.
+  const auto stack = stack_of(16, 0.2, [](double z) {
+    geom::Regions out;
+    if (z < 14) out.push_back(rectangle(78, 78, 82, 82));
+    if (z >= 14) out.push_back(rectangle(70, 70, 90, 90));
+    if (z >= 12 && z < 14) out.push_back(rectangle(89, 79, 90, 81));
+    return out;
+  });
+  const auto plan = toolpath::build(stack, settings(SupportStyle::tree));
+  const std::size_t i = 60, below = toolpath::layer_below_gap(stack, i, 0.2);
+  REQUIRE(stack[i].regions.size() > stack[i - 1].regions.size());
+  CHECK(near_any(plan.layers[below].support, {from_mm(89.5), from_mm(80)}, 0.1));
+}
+
 TEST_CASE("a tree takes less plastic than a grid below a mushroom, and little of the plate") {
   const auto stack = mushroom_stack(40, 24, 1, 6);
   const auto grid = toolpath::build(stack, settings(SupportStyle::grid));
