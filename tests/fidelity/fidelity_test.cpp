@@ -93,6 +93,18 @@ TEST_CASE("the checker sees what is wrong") {
   CHECK(fat.volume_ratio > 1.05);
 }
 
+TEST_CASE("what is thinner than a pixel of the checker is part of the part") {
+  mesh::TriangleMesh mesh = test::box(4, 4, 2);
+  for (const double x : {8.0, 9.07, 10.13, 11.19})
+    mesh = test::joined(mesh, test::moved(test::box(0.08, 4, 2), x, 0, 0));
+  Sliced part = sliced(mesh, options_for({}));
+  part.rules.largest_pixel = 0.2;
+  const Findings f = checked(part);
+  INFO(told("blades", f));
+  REQUIRE(f.pixel > 0.19);
+  CHECK(f.outside.value <= outside_limit(f));
+}
+
 TEST_CASE("real parts are printed as they are", "[corpus]") {
   const std::string shared = test::shared_dir();
   if (shared.empty()) {

@@ -132,6 +132,28 @@ Mask fill(const std::vector<Edge>& edges, const Grid& grid) {
   return out;
 }
 
+void add_slivers(Mask& areas, const std::vector<Edge>& edges, const Grid& grid) {
+  std::vector<std::size_t> found;
+  const auto bare = [&](int i, int j) {
+    for (int y = std::max(0, j - 1); y <= std::min(grid.ny - 1, j + 1); ++y)
+      for (int x = std::max(0, i - 1); x <= std::min(grid.nx - 1, i + 1); ++x)
+        if (areas[grid.at(x, y)] != 0) return false;
+    return true;
+  };
+  for (const Edge& e : edges) {
+    const double dx = e.x1 - e.x0, dy = e.y1 - e.y0;
+    const int steps = static_cast<int>(std::ceil(2 * std::max(std::abs(dx), std::abs(dy)) / grid.size)) + 1;
+    for (int k = 0; k <= steps; ++k) {
+      const double t = static_cast<double>(k) / steps;
+      const int i = static_cast<int>(std::floor((e.x0 + t * dx - grid.x0) / grid.size));
+      const int j = static_cast<int>(std::floor((e.y0 + t * dy - grid.y0) / grid.size));
+      if (i < 0 || j < 0 || i >= grid.nx || j >= grid.ny) continue;
+      if (bare(i, j)) found.push_back(grid.at(i, j));
+    }
+  }
+  for (const std::size_t p : found) areas[p] = 1;
+}
+
 std::vector<float> distance_to(const Mask& mask, const Grid& grid) {
   std::vector<float> d(mask.size());
   for (std::size_t i = 0; i < mask.size(); ++i) d[i] = mask[i] != 0 ? 0.0F : kFar;

@@ -35,6 +35,9 @@ struct Edge {
 };
 /// Pixels whose middle the edges wind around at least once, counter-clockwise. No rings are needed.
 Mask fill(const std::vector<Edge>& edges, const Grid& grid);
+/// Adds the pixels that edges pass through where nothing is marked right around: what is thinner than a pixel
+/// may lie between the middles of two.
+void add_slivers(Mask& areas, const std::vector<Edge>& edges, const Grid& grid);
 
 /// Distance from each pixel's middle to the nearest marked pixel's middle, mm; 0 on marked ones.
 std::vector<float> distance_to(const Mask& mask, const Grid& grid);

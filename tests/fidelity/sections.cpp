@@ -146,12 +146,14 @@ Mask Sections::asked_for(Mask cut, std::size_t i, bool least) const {
 Section Sections::of(std::size_t i) const {
   if (i >= print_.layers.size()) return {Mask(grid_.count(), 0), Mask(grid_.count(), 0)};
   const double z = cut(print_.layers[i]);
-  Mask low = fill(section(mesh_, by_layer_[i], z - kCutError), grid_);
+  const std::vector<Edge> edges = section(mesh_, by_layer_[i], z - kCutError);
+  Mask low = fill(edges, grid_);
   const bool plain = rules_.outer_growth == 0 && rules_.hole_growth == 0 && rules_.foot == 0 && !rules_.vase;
   Mask high = grazed(by_layer_[i], z) ? fill(section(mesh_, by_layer_[i], z + kCutError), grid_) : low;
-  if (low == high && plain) return {low, std::move(high)};
   Mask most = low;
   for (std::size_t p = 0; p < most.size(); ++p) most[p] |= high[p];
+  add_slivers(most, edges, grid_);
+  if (low == high && plain) return {std::move(most), std::move(low)};
   return {asked_for(std::move(most), i, false), asked_for(both(low, high), i, true)};
 }
 
