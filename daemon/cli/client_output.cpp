@@ -23,6 +23,16 @@ void print_job(const char* label, const Json& job) {
   std::printf("\n");
 }
 
+// What the wire did to the print; empty where nothing is worth telling.
+std::string link_text(std::int64_t resends, std::int64_t doubts) {
+  std::string out;
+  if (resends > 0) out = std::to_string(resends) + " resends";
+  if (doubts > 0)
+    out += std::string(out.empty() ? "" : ", ") +
+           "signs that a damaged line was obeyed: " + std::to_string(doubts);
+  return out;
+}
+
 }  // namespace
 
 void print_status(const Json& status) {
@@ -47,6 +57,8 @@ void print_status(const Json& status) {
                   static_cast<long long>(printer["job"]["layers"].integer()),
                   span(printer["elapsed_s"]).c_str(), span(printer["left_s"]).c_str());
     }
+    if (const auto link = link_text(printer["resends"].integer(), printer["doubts"].integer()); !link.empty())
+      std::printf("  link: %s\n", link.c_str());
     if (const auto message = printer["job"]["message"].text(); !message.empty())
       std::printf("  %s\n", message.c_str());
     print_job("next:", printer["next"]);
@@ -83,6 +95,8 @@ void print_history(const Json& history) {
       std::printf(" predicted %s, measured %s (%+.2f %%)", span(row["predicted_s"]).c_str(),
                   span(row["measured_s"]).c_str(), measured > 0 ? (predicted / measured - 1) * 100 : 0.0);
     }
+    if (const auto link = link_text(0, row["doubts"].integer()); !link.empty())
+      std::printf(", %s", link.c_str());
     if (const auto reason = row["reason"].text(); !reason.empty()) std::printf(" %s", reason.c_str());
     std::printf("\n");
   }

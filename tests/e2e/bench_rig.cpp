@@ -62,14 +62,14 @@ BenchRig::BenchRig(Options options) : options_(std::move(options)), listen_("127
                                             << listen_ << "\"}\nsettle_s: 0.3\norient: {budget_s: 0}\n"
                                             << options_.extra_config
                                             << "printers:\n  - name: mock\n    profile: " << options_.profile << "\n    port: "
-                                            << (scratch_ / "tty").string() << "\n    watch: ["
+                                            << (scratch_ / options_.port).string() << "\n    watch: ["
                                             << inbox().string() << "]\n    auto_clear: "
                                             << (options_.auto_clear ? "true" : "false") << "\n    clock: "
                                             << (scratch_ / "clock").string() << "\n";
 }
 
-void BenchRig::start_mock() {
-  std::vector<std::string> args = {program("mock-printer"), "--link",  scratch_ / "tty",   "--speed", options_.mock_speed,
+void BenchRig::start_mock(const std::string& link) {
+  std::vector<std::string> args = {program("mock-printer"), "--link",  scratch_ / link,   "--speed", options_.mock_speed,
                                    "--clock",               scratch_ / "clock", "--log", scratch_ / "mock.log"};
   args.insert(args.end(), options_.mock_args.begin(), options_.mock_args.end());
   if (!options_.faults.empty()) {

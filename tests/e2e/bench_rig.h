@@ -20,11 +20,13 @@ class BenchRig {
     std::string extra_config = "";  ///< top-level lines
     std::string profile = "generic-marlin";
     std::vector<std::string> mock_args = {};
+    std::string port = "tty";  ///< below the scratch folder
   };
   BenchRig() : BenchRig(Options{}) {}
   explicit BenchRig(Options options);
 
-  void start_mock();
+  /// With its port at `link`, below the scratch folder.
+  void start_mock(const std::string& link = "tty");
   /// Waits until it answers.
   void start_daemon();
   void kill_daemon();
