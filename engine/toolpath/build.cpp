@@ -19,6 +19,7 @@
 #include "engine/toolpath/supports.h"
 #include "engine/toolpath/surfaces.h"
 #include "engine/toolpath/tips.h"
+#include "engine/toolpath/trim_support.h"
 #include "engine/toolpath/unheld.h"
 
 #include <algorithm>
@@ -151,6 +152,11 @@ SampledPlan build_samples(const slice::LayerStack& cuts, const std::vector<Layer
     drafts[below + g] = draft_layer(stack[i], i, std::move(walls[g]), surfaces[i], directions[i],
                                     lightning[i], supports[g], part);
   });
+  if (n == stack.size() && s.support != SupportMode::none && s.support_style == SupportStyle::grid) {
+    std::vector<std::vector<Path>*> lines;
+    for (std::size_t i = 0; i < n; ++i) lines.push_back(&drafts[below + i].support);
+    trim_support(lines, stack, s, ctx);
+  }
   if (below > 0) stand_on_raft(drafts[below].support, settings.slice);
   draft_adhesion(drafts, beads, stack, supports, footprint, raft, s);
   ctx.progress("toolpaths", 0.9);

@@ -32,15 +32,40 @@ constexpr double kThickBranchMm = 1.6;
 
 /// Lines along the border of an area too narrow for lines across; one down its middle where two have no
 /// room side by side.
-void add_border(std::vector<Path>& out, const geom::Region& area, const BeadSize& bead, double tolerance_mm) {
+void add_border(std::vector<Path>& out, Role role, const geom::Region& area, const BeadSize& bead,
+                double tolerance_mm) {
   const double spacing = bead.spacing_mm();
   if (!geom::offset({area}, -from_mm(0.5 * spacing)).empty()) {
-    add_fill(out, Role::support, {geom::rings_of({area}), true, spacing}, bead, tolerance_mm);
+    add_fill(out, role, {geom::rings_of({area}), true, spacing}, bead, tolerance_mm);
     return;
   }
-  for (auto& line : centre_lines(area)) {
+  std::vector<CentreLine> middle = centre_lines(area);
+  // What is hardly longer than wide has no middle line.
+  if (middle.empty()) add_fill(out, role, {geom::rings_of({area}), true, spacing}, bead, tolerance_mm);
+  for (auto& line : middle) {
     if (line.closed) line.points.pop_back();
-    add_fill(out, Role::support, {{std::move(line.points)}, line.closed, spacing}, bead, tolerance_mm);
+    add_fill(out, role, {{std::move(line.points)}, line.closed, spacing}, bead, tolerance_mm);
+  }
+}
+
+/// Dense lines along y. Where the area is too narrow to be sure of one of them, its border is printed; all
+/// around if `all_round`.
+void add_dense(std::vector<Path>& out, const Regions& areas, bool all_round, const BeadSize& bead,
+               const SliceSettings& settings, double tolerance_mm) {
+  const double spacing = bead.spacing_mm();
+  const double apart = support_line_distance_mm(settings, kInterfaceDensity);
+  for (const auto& area : areas) {
+    const Regions domains = geom::offset({area}, -from_mm(0.5 * bead.width_mm));
+    for (const auto& domain : domains) {
+      Regions across{domain};
+      if (all_round || geom::offset(across, -from_mm(0.5 * apart)).empty()) {
+        add_border(out, Role::support_interface, domain, bead, tolerance_mm);
+        across = geom::offset(across, -from_mm(apart));
+      }
+      Hatch h = hatch(across, {std::numbers::pi / 2, apart, false, kLinkSpacings * apart});
+      add_fill(out, Role::support_interface, {std::move(h.lines), false, spacing}, bead, tolerance_mm);
+    }
+    if (domains.empty()) add_border(out, Role::support_interface, area, bead, tolerance_mm);
   }
 }
 
@@ -56,7 +81,7 @@ void add_branches(std::vector<Path>& out, const Regions& branches, bool on_plate
   for (const auto& region : branches) {
     const Regions wall = geom::offset({region}, -from_mm(0.5 * bead.width_mm));
     if (wall.empty()) {
-      add_border(out, region, bead, tolerance_mm);
+      add_border(out, Role::support, region, bead, tolerance_mm);
       continue;
     }
     add_fill(out, Role::support, {geom::rings_of(wall), true, spacing}, bead, tolerance_mm);
@@ -81,7 +106,7 @@ std::vector<Path> support_lines(const SupportAreas& areas, std::size_t layer, co
     double apart = support_line_distance_mm(settings, settings.support_density);
     // Lines above lie on some of the first layer's.
     if (layer == 0) apart /= std::ceil(std::max(kFirstLayerDensity / settings.support_density, 1.0));
-    for (const auto& part : areas.bordered) add_border(out, part, bead, tolerance);
+    for (const auto& part : areas.bordered) add_border(out, Role::support, part, bead, tolerance);
     add_fill(out, Role::support, {areas.caps, false, spacing}, bead, tolerance);
     Regions domains = geom::offset(areas.sparse, -from_mm(0.5 * bead.width_mm));
     if (layer == 0 && !areas.bordered.empty()) {
@@ -100,12 +125,8 @@ std::vector<Path> support_lines(const SupportAreas& areas, std::size_t layer, co
     }
   }
   add_branches(out, areas.branches, layer == 0, bead, tolerance);
-  const double dense = support_line_distance_mm(settings, kInterfaceDensity);
-  for (const Regions& areas_across : {areas.floor, areas.interface})
-    for (const auto& domain : geom::offset(areas_across, -from_mm(0.5 * bead.width_mm))) {
-      Hatch h = hatch({domain}, {std::numbers::pi / 2, dense, false, kLinkSpacings * dense});
-      add_fill(out, Role::support_interface, {std::move(h.lines), false, spacing}, bead, tolerance);
-    }
+  add_dense(out, areas.floor, true, bead, settings, tolerance);
+  add_dense(out, areas.interface, false, bead, settings, tolerance);
   return out;
 }
 

@@ -1,0 +1,261 @@
+#include "engine/toolpath/trim_support.h"
+
+#include "engine/geom/area_grid.h"
+#include "engine/geom/polygon_ops.h"
+#include "engine/toolpath/line_index.h"
+#include "engine/toolpath/region_ops.h"
+#include "engine/toolpath/support_borders.h"
+#include "engine/toolpath/support_task.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <unordered_set>
+#include <utility>
+
+namespace voidpath::toolpath {
+
+namespace {
+
+using geom::from_mm;
+using geom::Point;
+using geom::Polyline;
+
+/// Lines are looked at this often, mm.
+constexpr double kSampleMm = 0.2;
+/// The tip of a line may stick out by this, mm: about its own width.
+constexpr double kTipMm = 0.4;
+/// Dense lines may stick out by this share of what sparse lines are apart.
+constexpr double kDenseTipShare = 0.5;
+/// Pieces shorter than this hold nothing, mm.
+constexpr double kLeastPieceMm = 0.6;
+/// Between two lines is what has one on either side, no further than this share of their distance.
+constexpr double kBetweenShare = 0.68;
+/// A line is carried by one beside it below that it overlaps by so much of its width.
+constexpr double kCarriedShare = 0.25;
+/// Support leans out no further than this, degrees from vertical.
+constexpr double kMostLeanDeg = 60;
+
+struct Segment {
+  Point a, b;
+  bool operator==(const Segment&) const = default;
+};
+struct SegmentHash {
+  std::size_t operator()(const Segment& s) const {
+    std::uint64_t h = 0;
+    for (const geom::Coord c : {s.a.x, s.a.y, s.b.x, s.b.y})
+      h = (h ^ static_cast<std::uint64_t>(c)) * 0x9E3779B97F4A7C15u, h ^= h >> 29;
+    return static_cast<std::size_t>(h);
+  }
+};
+Segment segment(const Point& a, const Point& b) {
+  return std::pair(b.x, b.y) < std::pair(a.x, a.y) ? Segment{b, a} : Segment{a, b};
+}
+
+Polyline whole_line(const Path& path) {
+  Polyline out = path.points;
+  if (path.closed && !out.empty()) out.push_back(out.front());
+  return out;
+}
+
+template <class Visit>
+void each_segment(const std::vector<Path>& paths, Visit&& visit) {
+  for (const Path& p : paths) {
+    for (std::size_t k = 1; k < p.points.size(); ++k) visit(p.points[k - 1], p.points[k]);
+    if (p.closed && p.points.size() > 1) visit(p.points.back(), p.points.front());
+  }
+}
+
+/// What carries one layer's lines.
+class Carrier {
+ public:
+  /// `part`: what support may stand on, or null.
+  Carrier(const std::vector<Path>& below, const geom::Regions* part, double lean_mm, double apart_mm,
+          const geom::Box& box)
+      : lean_(lean_mm * geom::kNmPerMm),
+        dense_lean_(std::max(lean_, kDenseTipShare * apart_mm * geom::kNmPerMm)),
+        between_(kBetweenShare * apart_mm * geom::kNmPerMm),
+        index_(grown(box, from_mm(apart_mm)), from_mm(1.0)) {
+    const geom::Box near = grown(box, from_mm(apart_mm));
+    each_segment(below, [&](const Point& a, const Point& b) {
+      const geom::Box own{{std::min(a.x, b.x), std::min(a.y, b.y)}, {std::max(a.x, b.x), std::max(a.y, b.y)}};
+      if (overlap(own, near)) index_.add(a, b);
+    });
+    if (part == nullptr) return;
+    geom::Regions rest = quick_intersect(*part, {{geom::make_rectangle(near.min, near.max), {}}});
+    if (!rest.empty()) part_.emplace(std::move(rest));
+  }
+
+  bool carries(const Point& p, bool dense) const {
+    if (index_.size() > 0) {
+      const LineIndex::Hit hit = index_.nearest(p, between_);
+      if (hit.distance <= (dense ? dense_lean_ : lean_)) return true;
+      if (hit.distance <= between_ && beyond(p, hit)) return true;
+    }
+    return part_ && part_->contains(p);
+  }
+
+ private:
+  /// Whether there is a line on the other side of p as well.
+  bool beyond(const Point& p, const LineIndex::Hit& hit) const {
+    const double t = between_ / hit.distance;
+    const Point q{p.x + std::llround(t * static_cast<double>(p.x - hit.at.x)),
+                  p.y + std::llround(t * static_cast<double>(p.y - hit.at.y))};
+    return index_.nearest(q, between_).distance <= between_;
+  }
+
+  double lean_, dense_lean_, between_;  ///< nm
+  LineIndex index_;
+  std::optional<geom::AreaGrid> part_;
+};
+
+/// A stretch of a line that is carried or not.
+struct Stretch {
+  Polyline points;
+  bool held = false;
+};
+
+std::vector<Stretch> stretches_of(const Polyline& line, const Carrier& carrier, bool dense) {
+  std::vector<Stretch> out;
+  for (std::size_t k = 1; k < line.size(); ++k) {
+    const Point &a = line[k - 1], &b = line[k];
+    const double length = geom::distance(a, b);
+    const int n = std::max(1, static_cast<int>(std::ceil(length / (kSampleMm * geom::kNmPerMm))));
+    const auto at = [&](double t) {
+      return Point{a.x + std::llround(t * static_cast<double>(b.x - a.x)),
+                   a.y + std::llround(t * static_cast<double>(b.y - a.y))};
+    };
+    for (int j = 0; j < n; ++j) {
+      const bool held = carrier.carries(at((j + 0.5) / n), dense);
+      if (out.empty() || out.back().held != held)
+        out.push_back({{j == 0 ? a : at(static_cast<double>(j) / n)}, held});
+      out.back().points.push_back(j + 1 == n ? b : at(static_cast<double>(j + 1) / n));
+    }
+  }
+  return out;
+}
+
+/// The pieces of a line that are carried, joined over the stretches that hang between two held places.
+/// A closed line's first and last stretch are one.
+std::vector<Polyline> held_pieces(std::vector<Stretch>&& stretches, bool closed, double tip_mm,
+                                  double span_mm) {
+  std::vector<Polyline> out;
+  if (std::none_of(stretches.begin(), stretches.end(), [](const Stretch& s) { return s.held; })) return out;
+  if (closed && !stretches.front().held) {
+    // Begins with what is held.
+    Stretch first = std::move(stretches.front());
+    stretches.erase(stretches.begin());
+    if (!stretches.back().held)
+      stretches.back().points.insert(stretches.back().points.end(), first.points.begin() + 1,
+                                     first.points.end());
+    else
+      stretches.push_back(std::move(first));
+  }
+  const std::size_t n = stretches.size();
+  bool open = false;  // the last piece goes on
+  for (std::size_t k = 0; k < n; ++k) {
+    Stretch& s = stretches[k];
+    const bool end = (k == 0 || k + 1 == n) && !closed;
+    const double limit = s.held ? 0 : (end ? tip_mm : span_mm) * geom::kNmPerMm;
+    if (!s.held && geom::length(s.points) > limit) {
+      open = false;
+      continue;
+    }
+    if (open)
+      out.back().insert(out.back().end(), s.points.begin() + 1, s.points.end());
+    else
+      out.push_back(std::move(s.points));
+    open = true;
+  }
+  return out;
+}
+
+class Trimmer {
+ public:
+  Trimmer(const slice::LayerStack& stack, const SliceSettings& s)
+      : stack_(stack),
+        settings_(s),
+        apart_mm_(support_line_distance_mm(s, s.support_density)),
+        slope_(std::tan(std::clamp(s.support_angle_deg, 0.0, kMostLeanDeg) * std::numbers::pi / 180)) {}
+
+  void trim(std::vector<Path>& own, const std::vector<Path>& below, std::size_t i) const {
+    if (own.empty()) return;
+    std::unordered_set<Segment, SegmentHash> same;
+    each_segment(below, [&](const Point& a, const Point& b) { same.insert(segment(a, b)); });
+    std::vector<bool> new_here(own.size(), false);
+    std::optional<geom::Box> box;
+    for (std::size_t k = 0; k < own.size(); ++k) {
+      const Polyline line = whole_line(own[k]);
+      for (std::size_t j = 1; j < line.size() && !new_here[k]; ++j)
+        new_here[k] = !same.contains(segment(line[j - 1], line[j]));
+      const auto b = new_here[k] ? geom::bounds(line) : std::nullopt;
+      if (b) box = box ? joined(*box, *b) : *b;
+    }
+    if (!box) return;
+    const std::size_t bearer = layer_below_gap(stack_, i, settings_.support_z_gap_mm);
+    const double lean =
+        std::max(slope_ * stack_[i].span.height_mm(), kCarriedShare * settings_.line_width_mm);
+    const Carrier carrier(below, bearer < stack_.size() ? &stack_[bearer].regions : nullptr,
+                          lean + 0.5 * settings_.line_width_mm, apart_mm_, *box);
+    std::vector<Path> out;
+    out.reserve(own.size());
+    for (std::size_t k = 0; k < own.size(); ++k)
+      if (new_here[k])
+        trim(std::move(own[k]), carrier, out);
+      else
+        out.push_back(std::move(own[k]));
+    own = std::move(out);
+  }
+
+ private:
+  static geom::Box joined(const geom::Box& a, const geom::Box& b) {
+    return {{std::min(a.min.x, b.min.x), std::min(a.min.y, b.min.y)},
+            {std::max(a.max.x, b.max.x), std::max(a.max.y, b.max.y)}};
+  }
+
+  void trim(Path&& path, const Carrier& carrier, std::vector<Path>& out) const {
+    const bool dense = path.role == Role::support_interface;
+    const Polyline line = whole_line(path);
+    std::vector<Stretch> stretches = stretches_of(line, carrier, dense);
+    const bool uniform = stretches.size() == 1;
+    if (uniform && (stretches.front().held || geom::length(line) < kTipMm * geom::kNmPerMm)) {
+      out.push_back(std::move(path));
+      return;
+    }
+    double all = 0, kept = 0;
+    for (const Stretch& s : stretches) all += geom::length(s.points);
+    std::vector<Polyline> pieces = held_pieces(std::move(stretches), path.closed, kTipMm, apart_mm_);
+    for (const Polyline& p : pieces) kept += geom::length(p);
+    if (pieces.size() == 1 && kept > all - 1.0) {
+      out.push_back(std::move(path));
+      return;
+    }
+    for (Polyline& p : pieces) {
+      if (geom::length(p) < kLeastPieceMm * geom::kNmPerMm) continue;
+      Path piece = path;
+      piece.closed = false;
+      piece.points = geom::simplify(p, 1);
+      out.push_back(std::move(piece));
+    }
+  }
+
+  const slice::LayerStack& stack_;
+  const SliceSettings& settings_;
+  double apart_mm_;
+  double slope_;
+};
+
+}  // namespace
+
+void trim_support(std::vector<std::vector<Path>*>& lines, const slice::LayerStack& stack,
+                  const SliceSettings& settings, const run::Context& ctx) {
+  if (settings.support_density <= 0) return;
+  const Trimmer trimmer(stack, settings);
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    ctx.check();
+    trimmer.trim(*lines[i], *lines[i - 1], i);
+  }
+}
+
+}  // namespace voidpath::toolpath

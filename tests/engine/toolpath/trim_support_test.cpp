@@ -1,0 +1,93 @@
+#include "engine/toolpath/trim_support.h"
+
+#include "tests/engine/toolpath/shapes.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+using namespace voidpath;
+using namespace voidpath::test;
+using geom::from_mm;
+using toolpath::Path;
+using toolpath::Role;
+
+namespace {
+
+Path strand(const std::vector<std::pair<double, double>>& points, bool closed = false,
+            Role role = Role::support) {
+  Path out;
+  out.role = role;
+  out.closed = closed;
+  for (const auto& [x, y] : points) out.points.push_back({from_mm(x), from_mm(y)});
+  return out;
+}
+
+double length_mm(const std::vector<Path>& paths) {
+  double sum = 0;
+  for (const Path& p : paths) sum += geom::length(line_of(p)) / geom::kNmPerMm;
+  return sum;
+}
+
+/// What is left of `own` over `below`; no part is near.
+std::vector<Path> trimmed(std::vector<Path> own, std::vector<Path> below,
+                          const slice::LayerStack& stack = box_stack(1, 1, 0.4)) {
+  std::vector<std::vector<Path>*> lines{&below, &own};
+  toolpath::trim_support(lines, stack, {}, {});
+  return own;
+}
+
+const std::vector<Path> kRows{strand({{0, 0}, {20, 0}}), strand({{0, 2.8}, {20, 2.8}})};
+
+}  // namespace
+
+TEST_CASE("support on support stays as it is") {
+  const auto left = trimmed(kRows, kRows);
+  REQUIRE(left.size() == 2);
+  CHECK(left[0].points == kRows[0].points);
+  // A loop that leans out by a little, and one that ends a little further out.
+  const Path loop = strand({{1, 0.1}, {19, 0.1}, {19, 2.7}, {1, 2.7}}, true);
+  CHECK(trimmed({loop}, kRows).front().points == loop.points);
+  CHECK(trimmed({strand({{-0.3, 0}, {20.3, 0}})}, kRows).size() == 1);
+}
+
+TEST_CASE("what lies between two lines is carried by them, what lies beside the last one is not") {
+  CHECK(length_mm(trimmed({strand({{1, 1.4}, {19, 1.4}})}, kRows)) == Approx(18));
+  CHECK(trimmed({strand({{1, 4.2}, {19, 4.2}})}, kRows).empty());
+  CHECK(trimmed({strand({{1, 7}, {19, 7}})}, kRows).empty());
+}
+
+TEST_CASE("an end over air is cut off, and held again on the part") {
+  const auto cut = trimmed({strand({{10, 0}, {26, 0}})}, kRows);
+  REQUIRE(cut.size() == 1);
+  CHECK(length_mm(cut) == Approx(10.5).margin(0.5));
+  // The part two layers down: a layer of support and the z gap fit.
+  auto stack = box_stack(1, 1, 0.6);
+  stack[0].regions = {rectangle(24, -1, 30, 1)};
+  std::vector<Path> first = kRows, second = kRows, third{strand({{10, 0}, {28, 0}})};
+  std::vector<std::vector<Path>*> lines{&first, &second, &third};
+  toolpath::trim_support(lines, stack, {}, {});
+  // Held at both ends, but over a longer way than lines are apart.
+  REQUIRE(third.size() == 2);
+  CHECK(length_mm(third) == Approx(14.5).margin(0.5));
+}
+
+TEST_CASE("a loop keeps the part of it that is carried, wherever it begins") {
+  const std::vector<std::pair<double, double>> corners{{15, 0}, {30, 0}, {30, 2.8}, {15, 2.8}};
+  for (std::size_t k = 0; k < 4; ++k) {
+    auto turned = corners;
+    std::rotate(turned.begin(), turned.begin() + static_cast<std::ptrdiff_t>(k), turned.end());
+    const auto left = trimmed({strand(turned, true)}, kRows);
+    CHECK(length_mm(left) == Approx(12.8).margin(1.0));
+    for (const Path& p : left) CHECK(!p.closed);
+  }
+}
+
+TEST_CASE("lines across may hang from one line to the next") {
+  const Path across = strand({{5, 0}, {5, 2.8}}, false, Role::support_interface);
+  CHECK(trimmed({across}, kRows).front().points == across.points);
+  const auto far = trimmed({strand({{5, 0}, {5, 9}}, false, Role::support_interface)}, kRows);
+  REQUIRE(far.size() == 1);
+  CHECK(length_mm(far) < 4.8);
+}
