@@ -4,8 +4,10 @@
 #include "engine/run/parallel_for.h"
 #include "engine/toolpath/build.h"
 #include "engine/toolpath/fill_paths.h"
+#include "engine/toolpath/gap_lines.h"
 #include "engine/toolpath/outline.h"
 #include "engine/toolpath/perimeters.h"
+#include "engine/toolpath/region_ops.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,6 +26,13 @@ using geom::Ring;
 /// Contours further apart than this do not pass into one another, mm: the wall would hang in the air on its
 /// way.
 constexpr double kMaxBlendMm = 1.0;
+/// What is too narrow for the wall and as large as a tip this long, mm, is printed by itself; less would cost
+/// more in stops than it shows.
+constexpr double kLeastFinMm = 1.0;
+/// What is thinner than this is not there, mm.
+constexpr double kLeastSheetMm = 0.04;
+/// Of offsets that undo one another, nm.
+constexpr geom::Coord kOffsetSlack = 1000;
 /// Contours smaller than this around are not worth a spiral, mm: they print as they are.
 constexpr double kMinRoundMm = 1.0;
 
@@ -57,10 +66,46 @@ Point between(const Point& a, const Point& b, double t) {
           a.y + std::llround(t * static_cast<double>(b.y - a.y))};
 }
 
+/// Outer contours, filled.
+geom::Regions filled(const geom::Regions& outline) {
+  geom::Rings outers;
+  for (const auto& region : outline) outers.push_back(region.outer);
+  geom::Regions out = geom::unite(outers);
+  for (auto& region : out) region.holes.clear();
+  return out;
+}
+
 /// What one layer of the wall is: a single contour, or several.
-struct Wall {
+struct VaseLayer {
   geom::Rings contours;
-  Point end;  ///< of the round, on the contour
+  geom::Regions fins;    ///< beside them, too narrow for a contour
+  geom::Regions sheets;  ///< whole outlines too narrow for one
+  Point end;             ///< of the round, on the contour
+
+  VaseLayer() = default;
+  VaseLayer(const geom::Regions& outline, double line_width_mm) {
+    const geom::Coord half = from_mm(0.5 * line_width_mm);
+    for (auto& region : filled(outline)) {
+      geom::Regions inner = geom::offset({region}, -half);
+      if (inner.empty()) {
+        append(sheets, geom::open({region}, from_mm(0.5 * kLeastSheetMm)));
+        continue;
+      }
+      add_fins(region, inner, half);
+      for (auto& r : inner) contours.push_back(std::move(r.outer));
+    }
+  }
+  void add_fins(const geom::Region& region, const geom::Regions& inner, geom::Coord half) {
+    const geom::Regions left = geom::open(quick_subtract({region}, geom::offset(inner, half + kOffsetSlack)),
+                                          from_mm(0.5 * kLeastSheetMm));
+    if (left.empty()) return;
+    const geom::Coord least = from_mm(kLeastFinMm);
+    const geom::Regions far = quick_subtract(left, geom::offset(inner, half + least));
+    for (const auto& fin : left)
+      if (geom::area(fin) >= static_cast<double>(least) * static_cast<double>(half) ||
+          !quick_intersect({fin}, far).empty())
+        fins.push_back(fin);
+  }
   bool climbs() const {
     return contours.size() == 1 && geom::perimeter(contours.front()) >= kMinRoundMm * geom::kNmPerMm;
   }
@@ -79,7 +124,7 @@ class Spiral {
       : stack_(stack), bottoms_(bottoms), lift_(lift_mm), settings_(settings), ctx_(ctx) {
     walls_.resize(stack.size());
     run::parallel_for(ctx, stack.size(), [&](std::size_t i) {
-      walls_[i].contours = vase_contours(stack[i].regions, settings.line_width_mm);
+      walls_[i] = VaseLayer(stack[i].regions, settings.line_width_mm);
     });
     // Where a round ends, the next one begins.
     for (std::size_t i = 0; i < walls_.size(); ++i) {
@@ -101,12 +146,20 @@ class Spiral {
     LayerPlan out;
     out.span = {stack_[i].span.bottom_mm + lift_, stack_[i].span.top_mm + lift_};
     out.outline = stack_[i].regions;
-    const Wall& wall = walls_[i];
+    const VaseLayer& wall = walls_[i];
     const BeadSize bead{settings_.line_width_mm, out.span.height_mm()};
-    if (!wall.climbs()) {
+    if (wall.climbs())
+      add_round(out, i, bead);
+    else
       for (const Ring& ring : wall.contours) out.paths.push_back(wall_path(Ring(ring), true, bead));
-      return out;
-    }
+    // Level, at the height where the round has ended.
+    add_thin_lines(out.paths, wall.fins, bead, settings_.resolution_mm);
+    add_thin_lines(out.paths, wall.sheets, bead, settings_.resolution_mm);
+    return out;
+  }
+
+  void add_round(LayerPlan& out, std::size_t i, const BeadSize& bead) const {
+    const VaseLayer& wall = walls_[i];
     const bool climbed = i > bottoms_ && walls_[i - 1].climbs();
     const bool joined = walls_[i - 1].climbs();  // the layer below may be a bottom layer
     const Ring below = joined ? walls_[i - 1].contours.front() : Ring{};
@@ -122,7 +175,6 @@ class Spiral {
       rim.rise = Rise{out.span.top_mm, out.span.top_mm, 1.0, 0.0};
       out.paths.push_back(std::move(rim));
     }
-    return out;
   }
 
   const slice::LayerStack& stack_;
@@ -130,20 +182,13 @@ class Spiral {
   double lift_;
   const SliceSettings& settings_;
   const run::Context& ctx_;
-  std::vector<Wall> walls_;
+  std::vector<VaseLayer> walls_;
 };
 
 }  // namespace
 
 geom::Rings vase_contours(const geom::Regions& outline, double line_width_mm) {
-  geom::Rings outers;
-  for (const auto& region : outline) outers.push_back(region.outer);
-  geom::Regions filled = geom::unite(outers);
-  for (auto& region : filled) region.holes.clear();
-  geom::Rings out;
-  for (auto& region : geom::offset(filled, -from_mm(0.5 * line_width_mm)))
-    out.push_back(std::move(region.outer));
-  return out;
+  return VaseLayer(outline, line_width_mm).contours;
 }
 
 geom::Polyline vase_round(const Ring& ring, const Ring& below, const Point& end, const Point& begin) {

@@ -13,7 +13,8 @@ namespace voidpath::toolpath {
 /// and grows, one at the end levels the rim.
 ///
 /// Layers with several separate contours cannot be climbed: they print as closed loops, and the spiral begins
-/// anew above them. Holes, top layers, infill and supports are left out.
+/// anew above them. What is too narrow for a wall that goes there and back, a fin or a whole sheet, is one line
+/// down its middle, level, after the round. Holes, top layers, infill and supports are left out.
 Plan build_vase(const slice::LayerStack& cuts, const PrintSettings& settings, const run::Context& ctx);
 
 /// The wall's contours in one layer: centre lines.

@@ -188,6 +188,11 @@ class Interpreter {
       for (const Raw& r : raw_) add(r, r.height);
       return raw_.clear();
     }
+    // What is printed apart, after it, is level.
+    auto apart = raw_.begin() + 1;
+    while (apart != raw_.end() && (begins_below(*apart) || joined(*(apart - 1), *apart))) ++apart;
+    const std::vector<Raw> level(apart, raw_.end());
+    raw_.erase(apart, raw_.end());
     // First what climbs, then the level round on it, if there is one: the last bit of a climb looks level
     // too.
     auto rim = std::find_if_not(raw_.begin(), raw_.end(), begins_below);
@@ -195,9 +200,12 @@ class Interpreter {
     const std::vector<Raw> first(raw_.begin(), rim), second(rim, raw_.end());
     Climb own = lay_round(first, climb_, layer.top - layer.height);
     if (!second.empty()) own = lay_round(second, own, layer.top);
+    for (const Raw& r : level) add(r, r.height);
     climb_ = std::move(own);
     raw_.clear();
   }
+
+  static bool joined(const Raw& a, const Raw& b) { return a.x1 == b.x0 && a.y1 == b.y0; }
 
   template <class It>
   static double length_of(It from, It to) {

@@ -40,7 +40,8 @@ struct Print {
 };
 
 /// A `;HEIGHT:` later in a layer is that of the strands after it. A round that climbs lies on the round of
-/// the layer below, at the same share of its way, and a level one after it in its layer on the climbing one.
+/// the layer below, at the same share of its way, and a level one that goes on from it in its layer on the
+/// climbing one; what follows apart is level, as in any layer.
 /// `flow`: the filament's extrusion multiplier, whose share is taken out of every volume.
 Print read_print(std::istream& in, double filament_diameter, double flow);
 

@@ -26,6 +26,8 @@ constexpr double kAreaShare = 0.005;
 constexpr double kBorderShare = 1.0;
 /// Walls thinner than this are printed this wide, mm.
 constexpr double kThinnestBead = 0.3;
+/// Of a vase's outline a tip narrower than a line may be missing as far as this, mm.
+constexpr double kVaseTip = 1.0;
 /// Distances up to this many pixels are looked up one by one.
 constexpr int kNearPixels = 4;
 /// Ends of strands that meet, with the digits of their coordinates, mm.
@@ -201,8 +203,12 @@ class Checker {
       for (std::size_t p = 0; p < either.size(); ++p) either[p] |= below_.back().section.most[p];
     outside(i, either, now.part);
     const auto to_wall = distance_to(now.part, grid_), to_below = distance_to(from, grid_);
+    const double half = 0.5 * rules_.line_width + grid_.size;
+    const Mask wide = grown(shrunk(now.section.least, grid_, half), grid_, half);
     for (std::size_t p = 0; p < border.size(); ++p)
-      if (border[p] != 0) note_pixel(found_.wall_gap, static_cast<double>(to_wall[p] - to_below[p]), i, p);
+      if (border[p] != 0)
+        note_pixel(found_.wall_gap,
+                   static_cast<double>(to_wall[p] - to_below[p]) - (wide[p] == 0 ? kVaseTip : 0), i, p);
   }
 
   /// Pixels of an area with a neighbour that is none of it.

@@ -38,7 +38,7 @@ const std::vector<Mode>& modes() {
        {"spool", "ball"}},
       {"raft", {{"slice.raft_layers", "4"}}, {"spool"}},
       {"raft under trees", {{"slice.raft_layers", "2"}, {"slice.support_style", "tree"}}, {"ball"}},
-      {"vase", {{"slice.spiral_vase", "true"}}, {"beaker"}},
+      {"vase", {{"slice.spiral_vase", "true"}}, {"beaker", "finned"}},
       {"adaptive layers", {{"slice.adaptive_layers", "true"}}, {"spool", "ball"}},
       {"concentric skins",
        {{"slice.solid_pattern", "concentric"}, {"slice.top_pattern", "concentric"}},

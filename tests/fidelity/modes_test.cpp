@@ -23,8 +23,11 @@ struct Shape {
 };
 
 const std::vector<Shape>& shapes() {
-  static const std::vector<Shape> all = {
-      {"spool", spool()}, {"ball", ball()}, {"beaker", beaker()}, {"drilled", drilled()}};
+  static const std::vector<Shape> all = {{"spool", spool()},
+                                         {"ball", ball()},
+                                         {"beaker", beaker()},
+                                         {"drilled", drilled()},
+                                         {"finned", finned()}};
   return all;
 }
 

@@ -30,6 +30,12 @@ inline mesh::TriangleMesh beaker() {
   return out;
 }
 
+/// A round block with a fin thinner than a line, and a sheet as thin beside it.
+inline mesh::TriangleMesh finned() {
+  const auto sheet = [](double x, double y) { return test::moved(test::box(8, 0.3, 4), x, y, 0); };
+  return test::joined(test::joined(test::cylinder(5, 4, 48), sheet(2, -0.15)), sheet(0, 7));
+}
+
 /// A block with a round hole, and a thin wall beside it.
 inline mesh::TriangleMesh drilled() {
   mesh::TriangleMesh hole = test::cylinder(2.5, 4, 48);

@@ -97,8 +97,7 @@ TEST_CASE("a vase's rounds pass into one another without a step") {
       // Corners of the 64-gon lie on the cone; its wall half a line inside.
       const double radius = 10 + 4 * (z - 0.1) / 8 - 0.5 * 0.45;
       const double sag = radius * (1 - std::cos(std::numbers::pi / 64));
-      CHECK(geom::distance(p.points[k], middle) / geom::kNmPerMm ==
-            Approx(radius).margin(sag + 0.02));
+      CHECK(geom::distance(p.points[k], middle) / geom::kNmPerMm == Approx(radius).margin(sag + 0.02));
     }
   }
 }
@@ -119,6 +118,36 @@ TEST_CASE("layers with several contours print as closed loops, and the spiral be
   CHECK(plan.layers[14].paths.size() == 2);  // round and rim
   CHECK(plan.layers[14].paths[1].rise->share_to == 0);
   CHECK(plan.layers[30].paths[0].rise->share_from == 0);
+}
+
+TEST_CASE("what is too thin for a vase's wall is one line down its middle") {
+  const auto s = vase_settings();
+  const auto lines = [](const toolpath::LayerPlan& layer) {
+    double mm = 0;
+    for (const auto& p : layer.paths) {
+      if (p.role != Role::gap_fill) continue;
+      CHECK_FALSE(p.rise);
+      for (const auto& at : p.points) CHECK(std::abs(geom::to_mm(at.y) - 55) < 0.01);
+      mm += geom::length(p.points) / geom::kNmPerMm;
+    }
+    return mm;
+  };
+  // A sheet of its own, a fin on a block, and a fin no longer than it may be missing.
+  const auto sheet = stack_of(4, 0.2, [](double) { return geom::Regions{rectangle(50, 54.85, 80, 55.15)}; });
+  const auto fin = [](double to) {
+    return stack_of(4, 0.2, [=](double) {
+      return geom::unite(geom::rings_of({rectangle(50, 50, 60, 60), rectangle(60, 54.85, to, 55.15)}));
+    });
+  };
+  const auto thin = toolpath::build(sheet, s), finned = toolpath::build(fin(66), s),
+             tipped = toolpath::build(fin(60.6), s);
+  for (std::size_t i = 3; i < 20; ++i) {
+    CAPTURE(i);
+    CHECK(lines(thin.layers[i]) == Approx(30).margin(0.5));
+    CHECK(lines(finned.layers[i]) == Approx(6).margin(0.5));
+    CHECK(finned.layers[i].paths.front().rise);
+    CHECK(lines(tipped.layers[i]) == 0);
+  }
 }
 
 TEST_CASE("a vase's G-code climbs without a retraction") {
