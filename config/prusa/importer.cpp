@@ -20,7 +20,8 @@ std::string section_of(const std::string& key) { return key.substr(0, key.find('
 std::string name_of(const std::string& key) { return key.substr(key.find('.') + 1); }
 
 std::string first_of(const std::string& list) {
-  const std::string value = list.substr(0, list.find(','));
+  // PrusaSlicer reads the number and not what is said about it behind a #.
+  const std::string value = list.substr(0, std::min(list.find(','), list.find(" #")));
   const std::size_t end = value.find_last_not_of(' ');
   return end == std::string::npos ? "" : value.substr(0, end + 1);
 }

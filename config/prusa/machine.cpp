@@ -55,7 +55,11 @@ void import_retraction(PrusaImporter& in) {
   const auto own_wipe = in.flag("filament_wipe");
   const auto wipe = in.flag("wipe");
   in.put_flag("retract.wipe", own_wipe ? own_wipe : wipe);
+  if (!own_wipe.value_or(wipe.value_or(false)))
+    for (const char* only_of_wipes : {"retract_before_wipe", "filament_retract_before_wipe"})
+      in.use(only_of_wipes);
   in.put_flag("retract.avoid_crossing_perimeters", in.flag("avoid_crossing_perimeters"));
+  if (!in.flag("avoid_crossing_perimeters").value_or(false)) in.use("avoid_crossing_perimeters_max_detour");
   if (const auto firmware = in.flag("use_firmware_retraction"); firmware && *firmware)
     in.leave_out("use_firmware_retraction = 1 (retraction is written as E moves of retract_length)");
 }
@@ -177,6 +181,26 @@ void import_gcode(PrusaImporter& in) {
     in.approximated("gcode_flavor = " + *flavour + ": the G-code is Marlin's");
 }
 
+/// Sizes divided by commas, each with a format of its own in newer files.
+void import_thumbnails(PrusaImporter& in) {
+  const auto format = in.word("thumbnails_format");
+  if (!in.has("thumbnails")) return;
+  const std::string sizes = in.word("thumbnails").value_or("");
+  std::string list, others;
+  for (std::size_t i = 0; i < sizes.size();) {
+    const std::size_t end = std::min(sizes.find(',', i), sizes.size());
+    const std::size_t from = std::min(sizes.find_first_not_of(' ', i), end);
+    const std::string each = sizes.substr(from, end - from);
+    const std::size_t slash = each.find('/');
+    const std::string made = slash != std::string::npos ? each.substr(slash + 1) : format.value_or("PNG");
+    if (made != "PNG") others = made;
+    list += (list.empty() ? "" : ", ") + yaml_scalar(each.substr(0, slash));
+    i = end + 1;
+  }
+  in.put_yaml("machine.thumbnails", "[" + list + "]");
+  if (!others.empty()) in.approximated("thumbnails_format = " + others + ": pictures are PNG");
+}
+
 }  // namespace
 
 void import_filament(PrusaImporter& in) {
@@ -221,6 +245,7 @@ void import_machine(PrusaImporter& in) {
     in.leave_out("z_offset = " + number_text(*z) + " (set it in the printer: M851)");
   in.put_flag("machine.progress", in.flag("remaining_times"));
   if (const auto arcs = in.word("arc_fitting")) in.put_flag("machine.arcs", *arcs == "emit_center");
+  import_thumbnails(in);
   import_limits(in);
   import_gcode(in);
 }

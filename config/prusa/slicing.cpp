@@ -70,7 +70,6 @@ void put_pattern(PrusaImporter& in) {
                                                    {"hilbertcurve", "rectilinear"},
                                                    {"archimedeanchords", "concentric"},
                                                    {"octagramspiral", "concentric"}};
-  // it.
   if (const auto found = same.find(*pattern); found != same.end()) {
     in.put_yaml("slice.infill_pattern", found->second);
     return;
@@ -93,12 +92,33 @@ void put_solid_pattern(PrusaImporter& in, const std::string& theirs, const std::
     in.approximated(theirs + " = " + *pattern + ": printed as rectilinear");
 }
 
+/// Top and bottom were one setting once, under two names.
+void put_solid_patterns(PrusaImporter& in) {
+  for (const std::string side : {"top", "bottom"}) {
+    const std::string ours = side == "top" ? "slice.top_pattern" : "slice.solid_pattern";
+    for (const std::string theirs : {"external_fill_pattern", "solid_fill_pattern"})
+      put_solid_pattern(in, theirs, ours);
+    put_solid_pattern(in, side + "_fill_pattern", ours);
+  }
+}
+
 void put_seam(PrusaImporter& in) {
   const auto seam = in.word("seam_position");
   if (!seam) return;
   const bool same = *seam == "nearest" || *seam == "aligned" || *seam == "rear";
   in.put_yaml("slice.seam", same ? *seam : "nearest");
   if (!same) in.approximated("seam_position = " + *seam + ": seams go to the nearest corner");
+}
+
+void put_raft(PrusaImporter& in) {
+  const auto layers = in.number("raft_layers");
+  in.put("slice.raft_layers", layers);
+  in.put("slice.raft_gap_mm", in.number("raft_contact_distance"));
+  in.put("slice.raft_margin_mm", in.number("raft_expansion"));
+  if (layers.value_or(0) > 0) return;
+  for (const char* only_of_rafts : {"raft_first_layer_density", "raft_first_layer_expansion",
+                                    "first_layer_acceleration_over_raft", "first_layer_speed_over_raft"})
+    in.use(only_of_rafts);
 }
 
 void put_adhesion(PrusaImporter& in) {
@@ -116,10 +136,45 @@ void put_adhesion(PrusaImporter& in) {
                                                                 : "outer");
 }
 
+/// Columns and snug columns are ours; trees have other names for the same lengths.
+void put_support_style(PrusaImporter& in) {
+  const auto style = in.word("support_material_style");
+  if (!style) return;
+  const bool tree = *style == "organic" || *style == "tree";
+  in.put_yaml("slice.support_style", tree ? "tree" : "grid");
+  if (!tree && *style != "grid") in.approximated("support_material_style = " + *style + ": printed as grid");
+  const std::pair<const char*, const char*> lengths[] = {
+      {"support_tree_tip_diameter", "slice.tree_tip_diameter_mm"},
+      {"support_tree_angle", "slice.tree_branch_angle_deg"}};
+  for (const auto& [theirs, ours] : lengths) in.put(ours, in.number(theirs));
+  for (const char* other : {"support_tree_angle_slow", "support_tree_branch_diameter",
+                            "support_tree_branch_diameter_angle", "support_tree_branch_diameter_double_wall",
+                            "support_tree_branch_distance", "support_tree_top_rate"}) {
+    if (tree && in.has(other)) in.leave_out(std::string(other) + " = " + in.word(other).value_or(""));
+    in.use(other);
+  }
+}
+
+/// There the speeds are by how much of the bead overlaps the wall below, here by how much does not.
+void put_overhang_speeds(PrusaImporter& in, std::optional<double> perimeter) {
+  const auto on = in.flag("enable_dynamic_overhang_speeds");
+  const std::pair<const char*, const char*> speeds[] = {{"overhang_speed_3", "speed.overhang_25_mm_s"},
+                                                        {"overhang_speed_2", "speed.overhang_50_mm_s"},
+                                                        {"overhang_speed_1", "speed.overhang_75_mm_s"}};
+  for (const auto& [theirs, ours] : speeds) {
+    const auto value = in.part_of(theirs, perimeter);
+    if (on) in.put(ours, *on ? value : std::optional(0.0));
+  }
+  const auto none = in.word("overhang_speed_0");
+  if (on && *on && none)
+    in.approximated("overhang_speed_0 = " + *none + ": a wall all over air keeps to overhang_speed_1 here");
+}
+
 }  // namespace
 
 PrusaLayers import_layers(PrusaImporter& in) {
   PrusaLayers l;
+  in.use("extrusion_width");  // of those below that say nothing themselves
   l.height = in.number("layer_height");
   l.first = in.part_of("first_layer_height", l.height);
   l.nozzle = in.number("nozzle_diameter");
@@ -158,11 +213,13 @@ void import_shells(PrusaImporter& in, const PrusaLayers& layers) {
   if (const auto overlap = in.amount("infill_overlap"); overlap && (overlap->percent || layers.width))
     in.put("slice.infill_overlap", overlap->percent ? overlap->value / 100 : overlap->value / *layers.width);
   in.put_flag("slice.external_perimeters_first", in.flag("external_perimeters_first"));
+  // How far a line goes on along the wall to the next one; 0 leaves them apart.
+  const auto anchor = in.amount("infill_anchor_max");
+  if (anchor && anchor->value == 0) in.leave_out("infill_anchor_max = 0 (lines of infill are joined)");
+  in.use("infill_anchor");
   put_seam(in);
   put_adhesion(in);
-  in.put("slice.raft_layers", in.number("raft_layers"));
-  in.put("slice.raft_gap_mm", in.number("raft_contact_distance"));
-  in.put("slice.raft_margin_mm", in.number("raft_expansion"));
+  put_raft(in);
   if (const auto growth = in.number("xy_size_compensation")) {
     in.put("slice.xy_compensation_mm", *growth);
     in.put("slice.hole_compensation_mm", 0.0 - *growth);  // there one number grows all outlines into the air
@@ -173,8 +230,7 @@ void import_shells(PrusaImporter& in, const PrusaLayers& layers) {
   in.put("slice.min_infill_area_mm2", in.number("solid_infill_below_area"));
   in.put("slice.infill_every_layers", in.number("infill_every_layers"));
   in.put("slice.bridge_flow", in.number("bridge_flow_ratio"));
-  put_solid_pattern(in, "top_fill_pattern", "slice.top_pattern");
-  put_solid_pattern(in, "bottom_fill_pattern", "slice.solid_pattern");
+  put_solid_patterns(in);
 }
 
 void import_supports(PrusaImporter& in, const PrusaLayers& layers) {
@@ -207,6 +263,7 @@ void import_supports(PrusaImporter& in, const PrusaLayers& layers) {
   in.put("slice.support_xy_gap_mm", in.part_of("support_material_xy_spacing", layers.width));
   in.put("slice.support_z_gap_mm", in.number("support_material_contact_distance"));
   in.put("slice.support_interface_layers", in.number("support_material_interface_layers"));
+  put_support_style(in);
 }
 
 void import_speeds(PrusaImporter& in) {
@@ -222,6 +279,7 @@ void import_speeds(PrusaImporter& in) {
   const auto solid = speed("solid_infill_speed", infill);
   in.put("speed.perimeter_mm_s", perimeter);
   in.put("speed.external_perimeter_mm_s", speed("external_perimeter_speed", perimeter));
+  put_overhang_speeds(in, in.part_of("external_perimeter_speed", perimeter));
   in.put("speed.infill_mm_s", infill);
   in.put("speed.solid_infill_mm_s", solid);
   in.put("speed.top_solid_infill_mm_s", speed("top_solid_infill_speed", solid));

@@ -218,6 +218,55 @@ TEST_CASE("nothing that could not be carried over is kept quiet") {
   CHECK(made.values.size() + made.kept.size() == empty.kept.size());
 }
 
+TEST_CASE("settings under their older and newer names come over") {
+  const PrusaImport made = import_prusa({{"external_fill_pattern", "concentric"},
+                                         {"bottom_fill_pattern", "monotonic"},
+                                         {"perimeter_speed", "60"},
+                                         {"external_perimeter_speed", "50%"},
+                                         {"enable_dynamic_overhang_speeds", "1"},
+                                         {"overhang_speed_0", "10"},
+                                         {"overhang_speed_1", "12"},
+                                         {"overhang_speed_2", "60%"},
+                                         {"overhang_speed_3", "80%"},
+                                         {"support_material_style", "organic"},
+                                         {"support_tree_tip_diameter", "0.9"},
+                                         {"support_tree_angle", "35"},
+                                         {"support_tree_top_rate", "15%"},
+                                         {"thumbnails", "16x16, 220x124/QOI"},
+                                         {"deretract_speed", "25 # as the maker wants it"}});
+  CHECK(value(made, "slice.top_pattern") == "concentric");
+  CHECK(value(made, "slice.solid_pattern") == "rectilinear");
+  CHECK(value(made, "speed.overhang_75_mm_s") == "12");
+  CHECK(value(made, "speed.overhang_50_mm_s") == "18");  // of external perimeters' 30
+  CHECK(value(made, "speed.overhang_25_mm_s") == "24");
+  CHECK(lists(made.approximated, "overhang_speed_0"));
+  CHECK(value(made, "slice.support_style") == "tree");
+  CHECK(value(made, "slice.tree_tip_diameter_mm") == "0.9");
+  CHECK(value(made, "slice.tree_branch_angle_deg") == "35");
+  CHECK(lists(made.left_out, "support_tree_top_rate = 15%"));
+  CHECK(lists(made.approximated, "thumbnails_format = QOI"));
+  CHECK(value(made, "retract.deretract_speed_mm_s") == "25");
+  const Folder dir;
+  const Profile p = loaded(dir, made);
+  CHECK(p.print.machine.thumbnails == std::vector<std::string>{"16x16", "220x124"});
+  CHECK(value(import_prusa({{"thumbnails", ""}}), "machine.thumbnails") == "[]");
+  CHECK(value(import_prusa({{"enable_dynamic_overhang_speeds", "0"}}), "speed.overhang_50_mm_s") == "0");
+}
+
+TEST_CASE("what only matters with another setting is told when that is on") {
+  const auto told = [](IniValues values, const std::string& what) {
+    return lists(import_prusa(values).left_out, what);
+  };
+  CHECK_FALSE(told({{"raft_layers", "0"}, {"raft_first_layer_density", "90%"}}, "raft_first_layer_density"));
+  CHECK(told({{"raft_layers", "3"}, {"raft_first_layer_density", "90%"}}, "raft_first_layer_density"));
+  CHECK_FALSE(told({{"wipe", "0"}, {"retract_before_wipe", "70%"}}, "retract_before_wipe"));
+  CHECK(told({{"wipe", "1"}, {"retract_before_wipe", "70%"}}, "retract_before_wipe"));
+  CHECK_FALSE(told({{"infill_anchor_max", "50"}}, "infill_anchor_max"));
+  CHECK(told({{"infill_anchor_max", "0"}}, "infill_anchor_max"));
+  CHECK(told({{"support_material_bottom_contact_distance", "0.1"}},
+             "support_material_bottom_contact_distance"));
+}
+
 TEST_CASE("start and end G-code come over with our placeholders") {
   const IniValues values = {{"layer_height", "0.2"}, {"my_value", "7,8"}, {"first_layer_temperature", "210"}};
   const auto t = translate_gcode(
