@@ -36,11 +36,9 @@ constexpr double kAlreadyBordered = 0.4;
 constexpr geom::Coord kSlack = 5000;
 /// Shorter stretches of border need no line, mm.
 constexpr double kLeastCapMm = 0.8;
-/// Border further from the last line than this share of their distance is printed...
-constexpr double kCapShare = 0.65;
-/// ...and where the column grows on its way up, as long as dense lines that begin below it still reach so
-/// far.
-constexpr double kGrowingCapShare = 0.5;
+/// Border further from the last line than this share of their distance is printed: dense lines on which it
+/// begins reach no further beyond that line.
+constexpr double kCapShare = 0.5;
 /// Places for the lines that are tried, and layers they are tried on.
 constexpr std::size_t kShifts = 12;
 constexpr std::size_t kLooks = 60;
@@ -71,9 +69,9 @@ struct Lines {
   double line(geom::Coord row) const { return static_cast<double>(row) * apart + shift; }
 };
 
-/// Of a stretch of border between two lines: how much of it runs along the lines, further from the one on
-/// its inner side than the share of their distance. nm
-double unlined(const geom::Polyline& stretch, const Lines& lines, double share) {
+/// Of a stretch of border between two lines: how much of it runs along the lines, too far from the one on
+/// its inner side. nm
+double unlined(const geom::Polyline& stretch, const Lines& lines) {
   double sum = 0;
   for (std::size_t i = 1; i < stretch.size(); ++i) {
     const geom::Point &a = stretch[i - 1], &b = stretch[i];
@@ -82,7 +80,7 @@ double unlined(const geom::Polyline& stretch, const Lines& lines, double share) 
     // What is to be held lies to the left: above where the border runs along x.
     const geom::Coord y = (a.y + b.y) / 2;
     const double over = static_cast<double>(y) - lines.line(lines.row_of(y));
-    if ((dx > 0 ? lines.apart - over : over) > share * lines.apart) sum += std::abs(dx);
+    if ((dx > 0 ? lines.apart - over : over) > kCapShare * lines.apart) sum += std::abs(dx);
   }
   return sum;
 }
@@ -119,10 +117,10 @@ void each_stretch(const geom::Region& domain, const Lines& lines, Visit&& visit)
 }
 
 /// Border of an area of line centres, from line to line, where it runs too far from the last line.
-geom::Polylines caps_of(const geom::Region& domain, const Lines& lines, double share) {
+geom::Polylines caps_of(const geom::Region& domain, const Lines& lines) {
   geom::Polylines out;
   each_stretch(domain, lines, [&](geom::Polyline&& stretch) {
-    if (unlined(stretch, lines, share) > kLeastCapMm * geom::kNmPerMm) out.push_back(std::move(stretch));
+    if (unlined(stretch, lines) > kLeastCapMm * geom::kNmPerMm) out.push_back(std::move(stretch));
   });
   return out;
 }
@@ -140,15 +138,12 @@ struct Borders {
   geom::Polylines caps;  ///< beside the last line
   Regions all;           ///< and where those are
 
-  /// `growing`: where the column is larger than the one below, or the one above than it.
-  void add(const geom::Region& domain, const Regions& growing, const Lines& lines, double line_mm) {
+  void add(const geom::Region& domain, const Lines& lines, double line_mm) {
     Regions parts = narrow_parts(domain, lines.apart / geom::kNmPerMm, line_mm);
-    for (geom::Polyline& cap : caps_of(domain, lines, growing.empty() ? kCapShare : kGrowingCapShare)) {
+    for (geom::Polyline& cap : caps_of(domain, lines)) {
       const Regions own = bead_area({cap}, line_mm * geom::kNmPerMm);
       if (!parts.empty() && geom::area(quick_intersect(own, parts)) > kAlreadyBordered * geom::area(own))
         continue;
-      const bool far = growing.empty() || unlined(cap, lines, kCapShare) > kLeastCapMm * geom::kNmPerMm;
-      if (!far && quick_intersect(own, growing).empty()) continue;
       caps.push_back(std::move(cap));
       all = quick_unite(all, own);
     }
@@ -165,16 +160,6 @@ std::size_t field_of(const SupportLattice& lattice, const geom::Point& p) {
 
 double shift_of(std::size_t place, double apart) { return apart * static_cast<double>(place) / kShifts; }
 
-/// Where column i is larger than the one below, or the one above than it, and the line's width around.
-Regions growing_at(const std::vector<Regions>& columns, std::size_t i, double line_mm) {
-  const auto grown_by = [&](std::size_t k) {
-    return columns[k] == columns[k - 1] ? Regions{} : quick_subtract(columns[k], columns[k - 1]);
-  };
-  Regions out = grown_by(i);
-  if (i + 1 < columns.size()) out = quick_unite(out, grown_by(i + 1));
-  return out.empty() ? out : geom::offset(geom::open(out, kSlack), from_mm(line_mm));
-}
-
 /// What the borders cost with lines at each of the places tried, by field.
 using Costs = std::vector<std::array<double, kShifts>>;
 
@@ -185,7 +170,7 @@ Costs costs_of(const Regions& column, const SupportLattice& lattice, double apar
     const std::size_t f = field_of(lattice, domain.outer.front());
     if (f == lattice.fields.size()) continue;
     for (std::size_t k = 0; k < kShifts; ++k)
-      for (const geom::Polyline& cap : caps_of(domain, {apart, shift_of(k, apart)}, kCapShare))
+      for (const geom::Polyline& cap : caps_of(domain, {apart, shift_of(k, apart)}))
         out[f][k] += geom::length(cap);
   }
   return out;
@@ -239,22 +224,16 @@ void border_narrow_columns(std::vector<SupportAreas>& areas, const std::vector<R
   const std::size_t n = columns.size();
   const double apart_nm = apart * geom::kNmPerMm;
   const auto lattice = best_lattice(columns, contact, apart_nm, s, ctx);
-  std::vector<bool> steady(n);
-  for (std::size_t i = 0; i < n; ++i)
-    steady[i] = (i == 0 || columns[i] == columns[i - 1]) && (i + 1 >= n || columns[i + 1] == columns[i]);
-  const auto as_below = [&](std::size_t i) { return i > 0 && steady[i] && steady[i - 1]; };
   std::vector<Borders> borders(n);
   run::parallel_for(ctx, n, [&](std::size_t i) {
-    if (as_below(i)) return;
-    const Regions growing = i > 0 ? growing_at(columns, i, s.line_width_mm) : Regions{};
+    if (i > 0 && columns[i] == columns[i - 1]) return;
     const double width = i == 0 ? s.first_layer_line_width_mm : s.line_width_mm;
     for (const auto& domain : geom::offset(columns[i], -from_mm(0.5 * width)))
-      borders[i].add(domain, growing,
-                     {apart_nm, static_cast<double>(lattice->shift_at(domain.outer.front()))},
+      borders[i].add(domain, {apart_nm, static_cast<double>(lattice->shift_at(domain.outer.front()))},
                      line_spacing_mm(s));
   });
   for (std::size_t i = 1; i < n; ++i)
-    if (as_below(i)) borders[i] = borders[i - 1];
+    if (columns[i] == columns[i - 1]) borders[i] = borders[i - 1];
   run::parallel_for(ctx, n, [&](std::size_t i) {
     SupportAreas& own = areas[i];
     own.lattice = lattice;

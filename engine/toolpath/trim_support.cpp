@@ -34,8 +34,10 @@ constexpr double kLeastPieceMm = 0.6;
 constexpr double kBetweenShare = 0.68;
 /// A line is carried by one beside it below that it overlaps by so much of its width.
 constexpr double kCarriedShare = 0.25;
-/// Support leans out no further than this, degrees from vertical.
+/// Support leans out no further than this, degrees from vertical...
 constexpr double kMostLeanDeg = 60;
+/// ...and lines may leave their border by this, mm, since they are simplified.
+constexpr double kLineErrorMm = 0.03;
 
 struct Segment {
   Point a, b;
@@ -74,7 +76,7 @@ class Carrier {
   Carrier(const std::vector<Path>& below, const geom::Regions* part, double lean_mm, double apart_mm,
           const geom::Box& box)
       : lean_(lean_mm * geom::kNmPerMm),
-        dense_lean_(std::max(lean_, kDenseTipShare * apart_mm * geom::kNmPerMm)),
+        dense_lean_(lean_ + kDenseTipShare * apart_mm * geom::kNmPerMm),
         between_(kBetweenShare * apart_mm * geom::kNmPerMm),
         index_(grown(box, from_mm(apart_mm)), from_mm(1.0)) {
     const geom::Box near = grown(box, from_mm(apart_mm));
@@ -195,7 +197,7 @@ class Trimmer {
     if (!box) return;
     const std::size_t bearer = layer_below_gap(stack_, i, settings_.support_z_gap_mm);
     const double lean =
-        std::max(slope_ * stack_[i].span.height_mm(), kCarriedShare * settings_.line_width_mm);
+        std::max(slope_ * stack_[i].span.height_mm(), kCarriedShare * settings_.line_width_mm) + kLineErrorMm;
     const Carrier carrier(below, bearer < stack_.size() ? &stack_[bearer].regions : nullptr,
                           lean + 0.5 * settings_.line_width_mm, apart_mm_, *box);
     std::vector<Path> out;

@@ -112,6 +112,20 @@ slice::LayerStack hook_stack() {
   });
 }
 
+/// A shelf over a row of thin struts, which lean so that no way straight down passes between them, and on
+/// none of which anything can stand.
+slice::LayerStack thicket_stack() {
+  return stack_of(19, 0.2, [](double z) {
+    geom::Regions out{rectangle(40, 46, 44, 58)};
+    if (z > 18) return geom::unite(out, {rectangle(44, 51, 49, 53)});
+    if (z < 12) {
+      const double x = 44.6 + std::max(z - 4, 0.0) * 0.7;
+      for (int k = 0; k < 6; ++k) out.push_back(rectangle(x, 48.7 + 1.4 * k, x + 0.6, 49.3 + 1.4 * k));
+    }
+    return out;
+  });
+}
+
 std::vector<slice::LayerStack> overhanging() {
   return {arch_stack(60, 10, 6, 2, 4),
           arch_stack(32, 10, 6, 2, 4),
@@ -153,4 +167,18 @@ TEST_CASE("the mid-air law sees overhangs that lost their support") {
     for (auto& layer : plan.layers) std::erase_if(layer.paths, is_support);
     CHECK(loose_mm(plan, s.slice) > 20.0);
   }
+}
+
+TEST_CASE("where no column can stand branches lean out around what is in the way") {
+  toolpath::PrintSettings s;
+  s.slice.skirt_loops = 0;
+  const auto stack = thicket_stack();
+  auto plan = toolpath::build(stack, s);
+  CHECK(loose_mm(plan, s.slice) < 0.5);
+  const auto under_the_tip = [&](std::size_t i) {
+    return geom::area(geom::intersect(covered(plan.layers[i], is_support), {rectangle(46, 50, 50, 54)}));
+  };
+  CHECK(under_the_tip(88) > 3e12);
+  for (auto& layer : plan.layers) std::erase_if(layer.paths, is_support);
+  CHECK(loose_mm(plan, s.slice) > 3.0);
 }
