@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <numbers>
 
 namespace voidpath::geom {
@@ -30,29 +32,52 @@ class RingOffset {
       step_rad_ = 2 * std::acos(1 - style.arc_tolerance_nm / reach);
   }
 
-  std::optional<Ring> run() {
+  Ring run() {
     const std::size_t n = ring_.size();
-    if (n < 3 || !find_directions()) return std::nullopt;
+    if (n < 3 || !find_directions()) return {};
+    const std::vector<char> trimmed = find_trimmed();
     Ring out;
-    out.reserve(n + 8);
-    // Where each moved edge starts and ends.
-    Point first_start;
-    Point start;
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::size_t before = out.size();
-      if (!add_corner(i, out)) return std::nullopt;
-      // The edge that ends in this corner runs from `start` to the corner's first point.
-      if (i == 0)
-        first_start = out[before];
-      else if (!keeps_direction(start, out[before], directions_[i - 1]))
-        return std::nullopt;
-      start = out.back();
-    }
-    if (!keeps_direction(start, first_start, directions_[n - 1])) return std::nullopt;
+    out.reserve(2 * n);
+    for (std::size_t i = 0; i < n; ++i)
+      if (trimmed[i] == 0 || !add_corner(i, out)) add_spike(i, out);
     return out;
   }
 
  private:
+  const Direction& before(std::size_t i) const { return directions_[i == 0 ? ring_.size() - 1 : i - 1]; }
+
+  /// Corners that close and whose two moved edges both are long enough to be cut where they cross. All that
+  /// open as well.
+  std::vector<char> find_trimmed() const {
+    const std::size_t n = ring_.size();
+    std::vector<double> trim(n, 0);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Direction &u = before(i), &v = directions_[i];
+      const double sine = u.x * v.y - u.y * v.x, cosine = u.x * v.x + u.y * v.y;
+      if ((sine > 0) != (delta_ > 0))
+        trim[i] = 1 + cosine < kStraightSine ? std::numeric_limits<double>::infinity()
+                                             : std::abs(delta_ * sine) / (1 + cosine);
+    }
+    std::vector<char> out(n, 1);
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t k = (i + 1) % n;
+      const double room = distance(ring_[i], ring_[k]) - kShortestEdgeNm;
+      if (trim[i] + trim[k] <= room) continue;
+      // Of two that share an edge, one at least wants more than half.
+      if (trim[i] > room / 2) out[i] = 0;
+      if (trim[k] > room / 2) out[k] = 0;
+    }
+    return out;
+  }
+
+  /// Out to the end of the one moved edge, back to the corner, out to the start of the other.
+  void add_spike(std::size_t i, Ring& out) const {
+    const Direction &u = before(i), &v = directions_[i];
+    out.push_back(moved(ring_[i], u.y, -u.x));
+    out.push_back(ring_[i]);
+    out.push_back(moved(ring_[i], v.y, -v.x));
+  }
+
   bool find_directions() {
     const std::size_t n = ring_.size();
     directions_.resize(n);
@@ -68,10 +93,6 @@ class RingOffset {
     return true;
   }
 
-  static bool keeps_direction(const Point& a, const Point& b, const Direction& d) {
-    return static_cast<double>(b.x - a.x) * d.x + static_cast<double>(b.y - a.y) * d.y >= kShortestEdgeNm;
-  }
-
   /// The corner moved along (x, y), in units of delta.
   Point moved(const Point& p, double x, double y) const {
     return {p.x + std::llround(delta_ * x), p.y + std::llround(delta_ * y)};
@@ -80,7 +101,7 @@ class RingOffset {
   /// The points that replace corner i, between edges u and v. Right of a direction (x, y) is (y, -x).
   bool add_corner(std::size_t i, Ring& out) const {
     const Point& p = ring_[i];
-    const Direction& u = directions_[i == 0 ? ring_.size() - 1 : i - 1];
+    const Direction& u = before(i);
     const Direction& v = directions_[i];
     const double sine = u.x * v.y - u.y * v.x;
     const double cosine = u.x * v.x + u.y * v.y;
@@ -129,8 +150,12 @@ class RingOffset {
 
 }  // namespace
 
-std::optional<Ring> offset_ring(const Ring& ring, Coord delta, const OffsetStyle& style) {
-  return RingOffset(ring, delta, style).run();
+Ring raw_offset_ring(const Ring& ring, Coord delta, const OffsetStyle& style) {
+  Ring clean;
+  clean.reserve(ring.size());
+  std::unique_copy(ring.begin(), ring.end(), std::back_inserter(clean));
+  while (clean.size() > 1 && clean.front() == clean.back()) clean.pop_back();
+  return RingOffset(clean, delta, style).run();
 }
 
 }  // namespace voidpath::geom

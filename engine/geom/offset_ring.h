@@ -2,8 +2,6 @@
 
 #include "engine/geom/polygon_ops.h"
 
-#include <optional>
-
 namespace voidpath::geom {
 
 struct OffsetStyle {
@@ -12,10 +10,11 @@ struct OffsetStyle {
   double arc_tolerance_nm = 0;
 };
 
-/// The ring moved by delta nm to its right (outwards where it runs counter-clockwise). Corners that open
-/// are joined in the given style, corners that close become the crossing of their two moved edges.
-/// Nothing when an edge vanishes on the way or a corner cannot be told: then only a clipper can tell
-/// what remains. The result may still cross itself; where it does not, it is the true offset.
-std::optional<Ring> offset_ring(const Ring& ring, Coord delta, const OffsetStyle& style);
+/// The ring moved by delta nm to its right (outwards where it runs counter-clockwise), however much it then
+/// crosses itself: with those of all rings of a set of regions, it goes more than 0 times around just the
+/// places of the true offset. Corners that open are joined in the given style, corners that close become the
+/// crossing of their two moved edges where those are long enough. Empty where fewer than three different
+/// points follow one another.
+Ring raw_offset_ring(const Ring& ring, Coord delta, const OffsetStyle& style);
 
 }  // namespace voidpath::geom

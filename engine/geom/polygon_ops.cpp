@@ -1,11 +1,12 @@
 #include "engine/geom/polygon_ops.h"
 
-#include "engine/geom/nesting.h"
 #include "engine/geom/offset_ring.h"
+#include "engine/geom/overlay.h"
 #include "engine/geom/predicates.h"
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include <polyclipping/clipper.hpp>
@@ -21,6 +22,8 @@ constexpr double kArcToleranceNm = 5000;
 /// Clipper rounds the number of chords in a join, so one may be up to 1.5 times as long as asked for; its
 /// sagitta grows with the square of that.
 constexpr double kClipperArcSlack = 1.5 * 1.5;
+/// Corners that are moved and moved back come to lie at most this far beside, nm.
+constexpr Coord kDrift = 3;
 /// Clipper knows no smaller one.
 constexpr double kLeastMiterLimit = 2;
 
@@ -70,11 +73,6 @@ cl::PolyFillType fill_type(FillRule rule) {
   return cl::pftNonZero;
 }
 
-void add(cl::Clipper& clipper, const Region& region, cl::PolyType type) {
-  clipper.AddPath(to_clipper(region.outer), type, true);
-  for (const Ring& hole : region.holes) clipper.AddPath(to_clipper(hole), type, true);
-}
-
 std::vector<Box> boxes_of(const Regions& regions) {
   std::vector<Box> boxes;
   boxes.reserve(regions.size());
@@ -109,34 +107,56 @@ Parts parts_of(const Regions& a, const Regions& b) {
   return parts;
 }
 
-/// Only regions that may truly meet go through the clipper; the others are in the result as they are or
+cl::ClipType clip_type(Overlay kind) {
+  switch (kind) {
+    case Overlay::subtract:
+      return cl::ctDifference;
+    case Overlay::intersect:
+      return cl::ctIntersection;
+    case Overlay::unite:
+      break;
+  }
+  return cl::ctUnion;
+}
+
+Regions swept(const Rings& a, const Rings& b, Overlay kind) {
+  cl::Clipper clipper;
+  for (const Ring& ring : a) clipper.AddPath(to_clipper(ring), cl::ptSubject, true);
+  for (const Ring& ring : b) clipper.AddPath(to_clipper(ring), cl::ptClip, true);
+  cl::PolyTree tree;
+  clipper.Execute(clip_type(kind), tree, cl::pftPositive, cl::pftPositive);
+  Regions out;
+  append_regions(tree, out);
+  return out;
+}
+
+void append_rings(const Region& region, Rings& out) {
+  out.push_back(region.outer);
+  out.insert(out.end(), region.holes.begin(), region.holes.end());
+}
+
+/// Only regions that may truly meet are laid over one another; the others are in the result as they are or
 /// not at all.
-Regions combine(const Regions& a, const Regions& b, cl::ClipType type) {
+Regions combine(const Regions& a, const Regions& b, Overlay kind) {
   const Parts parts = parts_of(a, b);
   Regions out;
-  cl::Clipper clipper;
-  bool any_a = false;
-  bool any_b = false;
+  Rings mixed_a, mixed_b;
   for (std::size_t i = 0; i < a.size(); ++i) {
-    if (parts.a[i] == Part::mixed) {
-      add(clipper, a[i], cl::ptSubject);
-      any_a = true;
-    } else if (type == cl::ctUnion || (type == cl::ctIntersection) == (parts.a[i] == Part::common)) {
+    if (parts.a[i] == Part::mixed)
+      append_rings(a[i], mixed_a);
+    else if (kind == Overlay::unite || (kind == Overlay::intersect) == (parts.a[i] == Part::common))
       out.push_back(a[i]);
-    }
   }
   for (std::size_t i = 0; i < b.size(); ++i) {
-    if (parts.b[i] == Part::mixed) {
-      add(clipper, b[i], cl::ptClip);
-      any_b = true;
-    } else if (type == cl::ctUnion && parts.b[i] == Part::apart) {
+    if (parts.b[i] == Part::mixed)
+      append_rings(b[i], mixed_b);
+    else if (kind == Overlay::unite && parts.b[i] == Part::apart)
       out.push_back(b[i]);
-    }
   }
-  if (!any_a && (!any_b || type != cl::ctUnion)) return out;
-  cl::PolyTree tree;
-  clipper.Execute(type, tree, cl::pftPositive, cl::pftPositive);
-  append_regions(tree, out);
+  if (mixed_a.empty() && (mixed_b.empty() || kind != Overlay::unite)) return out;
+  std::optional<Regions> met = overlay(mixed_a, mixed_b, kind);
+  if (!met) met = swept(mixed_a, mixed_b, kind);
+  out.insert(out.end(), std::make_move_iterator(met->begin()), std::make_move_iterator(met->end()));
   return out;
 }
 
@@ -166,42 +186,46 @@ Regions clipper_offset(const Regions& regions, Coord delta, const OffsetStyle& s
   return out;
 }
 
-/// One ring's offset by itself, with the ring's own sense.
-void append_clipper_offset(const Ring& ring, Coord delta, const OffsetStyle& style, Rings& out) {
-  const bool is_hole = area(ring) < 0;
-  Region alone{ring, {}};
-  if (is_hole) reverse(alone.outer);
-  for (Ring& r : rings_of(clipper_offset({alone}, is_hole ? -delta : delta, style))) {
-    if (is_hole) reverse(r);
-    out.push_back(std::move(r));
+std::optional<Regions> direct_offset(const Regions& regions, Coord delta, const OffsetStyle& style) {
+  Rings moved;
+  for (const Region& r : regions) {
+    moved.push_back(raw_offset_ring(r.outer, delta, style));
+    for (const Ring& hole : r.holes) moved.push_back(raw_offset_ring(hole, delta, style));
   }
+  return filled(moved, FillRule::positive);
 }
 
-/// Offsets every ring by itself. Where no two of the results touch, their winding tells what is filled: a
-/// shrunk area is its shrunk outer ring less its grown holes, grown areas unite. Nothing otherwise.
-std::optional<Regions> offset_ring_by_ring(const Regions& regions, Coord delta, const OffsetStyle& style) {
-  Rings moved;
-  Rings hard;
-  for (const Region& r : regions) {
-    auto take = [&](const Ring& ring) {
-      if (std::optional<Ring> m = offset_ring(ring, delta, style))
-        moved.push_back(*std::move(m));
-      else
-        hard.push_back(ring);
-    };
-    take(r.outer);
-    std::for_each(r.holes.begin(), r.holes.end(), take);
+/// Corners that went out and came back by rounding a little beside where they were, put back: what an
+/// operation leaves alone stays the same.
+Regions with_corners_of(const Regions& old, Regions regions) {
+  std::vector<Point> corners;
+  for (const Region& r : old) {
+    corners.insert(corners.end(), r.outer.begin(), r.outer.end());
+    for (const Ring& hole : r.holes) corners.insert(corners.end(), hole.begin(), hole.end());
   }
-  // All hard: ring by ring would only be slower.
-  if (moved.empty() || (!hard.empty() && any_edges_touch(moved))) return std::nullopt;
-  for (const Ring& ring : hard) append_clipper_offset(ring, delta, style, moved);
-  return nest_if_disjoint(moved, FillRule::positive);
+  std::sort(corners.begin(), corners.end());
+  auto put_back = [&](Ring& ring) {
+    for (Point& p : ring) {
+      const Point from{p.x - kDrift, p.y - kDrift};
+      for (auto c = std::lower_bound(corners.begin(), corners.end(), from);
+           c != corners.end() && c->x <= p.x + kDrift; ++c)
+        if (std::abs(c->y - p.y) <= kDrift) {
+          p = *c;
+          break;
+        }
+    }
+  };
+  for (Region& r : regions) {
+    put_back(r.outer);
+    std::for_each(r.holes.begin(), r.holes.end(), put_back);
+  }
+  return regions;
 }
 
 }  // namespace
 
 Regions unite(const Rings& rings, FillRule rule) {
-  if (std::optional<Regions> nested = nest_if_disjoint(rings, rule)) return *std::move(nested);
+  if (std::optional<Regions> direct = filled(rings, rule)) return *std::move(direct);
   cl::Clipper clipper;
   for (const Ring& ring : rings) clipper.AddPath(to_clipper(ring), cl::ptSubject, true);
   cl::PolyTree tree;
@@ -211,23 +235,23 @@ Regions unite(const Rings& rings, FillRule rule) {
   return out;
 }
 
-Regions unite(const Regions& a, const Regions& b) { return combine(a, b, cl::ctUnion); }
-Regions subtract(const Regions& from, const Regions& what) { return combine(from, what, cl::ctDifference); }
-Regions intersect(const Regions& a, const Regions& b) { return combine(a, b, cl::ctIntersection); }
+Regions unite(const Regions& a, const Regions& b) { return combine(a, b, Overlay::unite); }
+Regions subtract(const Regions& from, const Regions& what) { return combine(from, what, Overlay::subtract); }
+Regions intersect(const Regions& a, const Regions& b) { return combine(a, b, Overlay::intersect); }
 
 Regions offset(const Regions& regions, Coord delta, Join join, double miter_limit) {
   if (delta == 0 || regions.empty()) return regions;
   const OffsetStyle style{join, std::max(miter_limit, kLeastMiterLimit), kArcToleranceNm};
-  if (std::optional<Regions> direct = offset_ring_by_ring(regions, delta, style)) return *std::move(direct);
+  if (std::optional<Regions> direct = direct_offset(regions, delta, style)) return *std::move(direct);
   return clipper_offset(regions, delta, style);
 }
 
 Regions open(const Regions& regions, Coord radius, Join join) {
-  return offset(offset(regions, -radius, join), radius, join);
+  return with_corners_of(regions, offset(offset(regions, -radius, join), radius, join));
 }
 
 Regions close(const Regions& regions, Coord radius, Join join) {
-  return offset(offset(regions, radius, join), -radius, join);
+  return with_corners_of(regions, offset(offset(regions, radius, join), -radius, join));
 }
 
 Regions remove_small(const Regions& regions, double min_area_nm2) {

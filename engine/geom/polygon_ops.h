@@ -4,10 +4,10 @@
 
 /// Boolean operations and offsets on filled areas, on integer nanometres. Results are regions with
 /// outer rings counter-clockwise and holes clockwise, in an order that depends on the input alone.
-/// Backed by libpolyclipping (Vatti 1992); coordinates must lie within ±1.07 m.
+/// Coordinates should lie within ±1.07 m: beyond, and where rounding leaves an overlay undecided,
+/// libpolyclipping (Vatti 1992) does the work.
 /// Regions given must be well-formed: disjoint, with rings that run as said above.
 /// No function here throws on such input; all may be called from any thread.
-/// Speed: work that boxes, equal regions or rings that do not touch can settle never reaches the clipper.
 /// Outlines of many short edges are slow to offset by more than those edges' length: simplify them first.
 namespace voidpath::geom {
 

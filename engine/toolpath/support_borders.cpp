@@ -30,7 +30,7 @@ constexpr double kSparseSpacings = 2.0;
 constexpr double kBesideShare = 0.5;
 /// Pieces of border whose area is smaller than this hold themselves, mm².
 constexpr double kMinFloorMm2 = 0.5;
-/// Caps of which more than this share is bordered already need nothing.
+/// Caps of which more than this share of their length is bordered already need nothing.
 constexpr double kAlreadyBordered = 0.4;
 /// Borders of areas of line centres are as exact as offsets are, nm.
 constexpr geom::Coord kSlack = 5000;
@@ -140,15 +140,19 @@ struct Borders {
 
   void add(const geom::Region& domain, const Lines& lines, double line_mm) {
     Regions parts = narrow_parts(domain, lines.apart / geom::kNmPerMm, line_mm);
-    for (geom::Polyline& cap : caps_of(domain, lines)) {
-      const Regions own = bead_area({cap}, line_mm * geom::kNmPerMm);
-      if (!parts.empty() && geom::area(quick_intersect(own, parts)) > kAlreadyBordered * geom::area(own))
-        continue;
-      caps.push_back(std::move(cap));
-      all = quick_unite(all, own);
-    }
-    all = quick_unite(all, parts);
+    for (geom::Polyline& cap : caps_of(domain, lines))
+      if (parts.empty() || length_of(geom::clip_inside({cap}, parts)) <= kAlreadyBordered * geom::length(cap))
+        caps.push_back(std::move(cap));
     append(narrow, std::move(parts));
+  }
+
+  void close(double line_mm) { all = quick_unite(bead_area(caps, line_mm * geom::kNmPerMm), narrow); }
+
+ private:
+  static double length_of(const geom::Polylines& lines) {
+    double sum = 0;
+    for (const geom::Polyline& line : lines) sum += geom::length(line);
+    return sum;
   }
 };
 
@@ -231,6 +235,7 @@ void border_narrow_columns(std::vector<SupportAreas>& areas, const std::vector<R
     for (const auto& domain : geom::offset(columns[i], -from_mm(0.5 * width)))
       borders[i].add(domain, {apart_nm, static_cast<double>(lattice->shift_at(domain.outer.front()))},
                      line_spacing_mm(s));
+    borders[i].close(line_spacing_mm(s));
   });
   for (std::size_t i = 1; i < n; ++i)
     if (columns[i] == columns[i - 1]) borders[i] = borders[i - 1];
@@ -246,6 +251,11 @@ void border_narrow_columns(std::vector<SupportAreas>& areas, const std::vector<R
       }
     }
     if (borders[i].all.empty()) return;
+    if (i > 0 && own.sparse == columns[i]) {
+      own.bordered = borders[i].narrow;
+      own.caps = borders[i].caps;
+      return;
+    }
     const Regions centres = geom::offset(own.sparse, -from_mm(0.5 * s.line_width_mm) + kSlack);
     own.bordered = quick_intersect(borders[i].narrow, centres);
     if (!borders[i].caps.empty() && !centres.empty()) own.caps = geom::clip_inside(borders[i].caps, centres);

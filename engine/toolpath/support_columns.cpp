@@ -26,10 +26,13 @@ constexpr double kMostLeanDeg = 60;
 constexpr double kCarriedShare = 0.25;
 constexpr double kMm2 = geom::kNmPerMm * geom::kNmPerMm;
 
-/// The part of a column that has room and can stand.
-Regions stand(const Regions& column, const Regions& forbidden, const SliceSettings& settings) {
-  Regions out = quick_subtract(geom::simplify(column, from_mm(kColumnToleranceMm)), forbidden);
-  out = geom::open(out, from_mm(0.5 * settings.line_width_mm));
+/// The part of a column that has room and can stand. What is as it was in the layer above stands.
+Regions stand(const Regions& column, const Regions& above, const Regions& forbidden,
+              const SliceSettings& settings) {
+  Regions out, changed;
+  for (geom::Region& r : quick_subtract(geom::simplify(column, from_mm(kColumnToleranceMm)), forbidden))
+    (std::find(above.begin(), above.end(), r) != above.end() ? out : changed).push_back(std::move(r));
+  append(out, geom::open(changed, from_mm(0.5 * settings.line_width_mm)));
   return geom::remove_small(out, kMinColumnMm2 * kMm2);
 }
 
@@ -93,10 +96,11 @@ std::vector<SupportAreas> support_columns(const slice::LayerStack& stack, const 
   for (std::size_t i = n; i-- > 0;) {
     ctx.check();
     const Regions& fresh = contact[i];
+    const Regions above = column;
     column = quick_unite(column, fresh);
     if (column.empty()) continue;
     const bool as_above = fresh.empty() && i + 1 < n && task.forbidden[i] == task.forbidden[i + 1];
-    if (!as_above) column = stand(column, task.forbidden[i], settings);
+    if (!as_above) column = stand(column, above, task.forbidden[i], settings);
     columns[i] = column;
   }
   drop_unheld(columns, stack, settings, ctx);

@@ -1,4 +1,5 @@
 #include "engine/geom/area_grid.h"
+
 #include "engine/geom/polygon_ops.h"
 
 #include <catch2/catch.hpp>

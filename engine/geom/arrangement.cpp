@@ -1,0 +1,344 @@
+#include "engine/geom/arrangement.h"
+
+#include "engine/geom/edge_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace voidpath::geom {
+
+namespace {
+
+/// Bent edges are gone over so many times at most.
+constexpr int kMaxRounds = 8;
+/// Coordinates within this keep twice the area of any triangle in 64 bits, nm.
+constexpr Coord kReach = 1'073'000'000;
+/// Rounding moves a crossing, and so two edges towards one another, by less than this each, nm: edges that
+/// come no nearer than twice that without touching cannot meet by being bent.
+constexpr double kBend = 0.75;
+/// Edges that cross at a smaller angle, in its sine, run near one another for long.
+constexpr double kFlatSine = 0.01;
+/// Crossings further apart than this along an edge cannot be put out of order by bending, nm.
+constexpr double kApart = 2 * kBend / kFlatSine;
+
+/// Boxes nearer than this are looked into, nm.
+constexpr std::int32_t kNear = 2;
+/// So few edges are not worth sorting.
+constexpr std::size_t kFewEdges = 40;
+/// Strips of so many edges are swept one by one.
+constexpr std::int64_t kEdgesPerStrip = 8;
+
+using Index = std::uint32_t;
+
+struct Cut {
+  Index edge;
+  double along;  ///< from the edge's start, nm
+  Point at;
+};
+
+/// An edge in half the room; coordinates within kReach allow it.
+struct Side {
+  std::int32_t ax, ay, bx, by;
+
+  Point a() const { return {ax, ay}; }
+  Point b() const { return {bx, by}; }
+  /// Twice the area of the edge's ends and p; positive when p lies to its left.
+  std::int64_t turn(std::int32_t x, std::int32_t y) const {
+    return (std::int64_t{bx} - ax) * (std::int64_t{y} - ay) -
+           (std::int64_t{by} - ay) * (std::int64_t{x} - ax);
+  }
+  /// At least its length, less than half more, nm.
+  double reach() const {
+    return static_cast<double>(std::abs(std::int64_t{bx} - ax) + std::abs(std::int64_t{by} - ay));
+  }
+};
+
+/// With what comes near enough to look into.
+struct Span {
+  std::int32_t left, right, bottom, top;
+};
+
+Span span_of(const Side& s) {
+  return {std::min(s.ax, s.bx) - kNear, std::max(s.ax, s.bx), std::min(s.ay, s.by) - kNear,
+          std::max(s.ay, s.by)};
+}
+
+bool overlap(const Span& s, const Span& t) {
+  return s.left <= t.right && t.left <= s.right && s.bottom <= t.top && t.bottom <= s.top;
+}
+
+/// Edges sorted into strips of equal height that lie above one another, each strip swept from left to right:
+/// two edges whose spans overlap meet once, in the strip in which the higher one begins.
+class StripSweep {
+ public:
+  explicit StripSweep(const std::vector<Span>& spans) : spans_(spans) {
+    if (spans.empty()) return;
+    std::int64_t tall = 0;
+    std::int32_t top = spans.front().top;
+    bottom_ = spans.front().bottom;
+    for (const Span& s : spans) {
+      bottom_ = std::min(bottom_, s.bottom);
+      top = std::max(top, s.top);
+      tall += std::int64_t{s.top} - s.bottom;
+    }
+    const auto n = static_cast<std::int64_t>(spans.size());
+    const std::int64_t all = std::int64_t{top} - bottom_ + 1;
+    per_height_ = 1 / static_cast<double>(std::max(tall / n, all * kEdgesPerStrip / n) + 1);
+    strips_.assign(strip(top) + 1, kEnd);
+  }
+
+  template <class Meet>
+  void run(const Meet& meet) {
+    std::vector<std::uint64_t> by_left;
+    by_left.reserve(spans_.size());
+    for (std::size_t i = 0; i < spans_.size(); ++i) {
+      const auto left = static_cast<std::uint64_t>(std::int64_t{spans_[i].left} + (std::int64_t{1} << 31));
+      by_left.push_back(left << 32 | i);
+    }
+    std::sort(by_left.begin(), by_left.end());
+    begun_.reserve(2 * spans_.size());
+    for (const std::uint64_t key : by_left) {
+      const auto i = static_cast<Index>(key & 0xffffffff);
+      const Span& s = spans_[i];
+      const std::size_t first = strip(s.bottom), last = strip(s.top);
+      for (std::size_t k = first; k <= last; ++k) pass(k, i, s, meet);
+    }
+  }
+
+ private:
+  static constexpr Index kEnd = std::numeric_limits<Index>::max();
+
+  /// An edge that the sweep has come to, in one strip.
+  struct Begun {
+    Span span;
+    Index edge;
+    Index next;  ///< of the same strip
+  };
+
+  std::size_t strip(std::int32_t y) const {
+    return static_cast<std::size_t>(static_cast<double>(std::int64_t{y} - bottom_) * per_height_);
+  }
+
+  template <class Meet>
+  void pass(std::size_t here, Index i, const Span& s, const Meet& meet) {
+    // Both are in this strip: below its border, or in the strip in which the higher one begins.
+    const bool begins = strip(s.bottom) == here;
+    Index* from = &strips_[here];
+    while (*from != kEnd) {
+      const Begun& other = begun_[*from];
+      if (other.span.right < s.left) {
+        *from = other.next;
+        continue;
+      }
+      if (other.span.bottom <= s.top && s.bottom <= other.span.top &&
+          (begins || strip(other.span.bottom) == here))
+        meet(other.edge, i);
+      from = &begun_[*from].next;
+    }
+    const Index old = strips_[here];
+    strips_[here] = static_cast<Index>(begun_.size());
+    begun_.push_back({s, i, old});
+  }
+
+  const std::vector<Span>& spans_;
+  std::int32_t bottom_ = 0;
+  double per_height_ = 1;
+  std::vector<Index> strips_;  ///< the last begun of each
+  std::vector<Begun> begun_;
+};
+
+class Arranger {
+ public:
+  explicit Arranger(std::span<const Ring* const> lines) {
+    out_.first.push_back(0);
+    for (const Ring* line : lines) {
+      const std::size_t begin = out_.corners.size();
+      for (const Point& p : *line)
+        if (out_.corners.size() == begin || out_.corners.back().at != p) out_.corners.push_back({p});
+      while (out_.corners.size() > begin + 1 && out_.corners.back().at == out_.corners[begin].at)
+        out_.corners.pop_back();
+      if (out_.corners.size() < begin + 3) out_.corners.resize(begin);
+      out_.first.push_back(static_cast<Index>(out_.corners.size()));
+    }
+  }
+
+  std::optional<Arrangement> run() {
+    for (const auto& c : out_.corners)
+      if (std::abs(c.at.x) > kReach || std::abs(c.at.y) > kReach) return std::nullopt;
+    for (int round = 0; round < kMaxRounds; ++round) {
+      list_sides();
+      round == 0 ? find_all() : find_again();
+      if (cuts_.empty() || !insert_cuts()) return std::move(out_);
+    }
+    return std::nullopt;
+  }
+
+ private:
+  void list_sides() {
+    const std::size_t n = out_.corners.size();
+    sides_.clear();
+    sides_.reserve(n);
+    next_.resize(n);
+    close_.assign(n, 0);
+    for (std::size_t line = 0; line + 1 < out_.first.size(); ++line)
+      for (Index i = out_.first[line]; i < out_.first[line + 1]; ++i) {
+        next_[i] = out_.next(line, i);
+        const Point &a = out_.corners[i].at, &b = out_.corners[next_[i]].at;
+        sides_.push_back({static_cast<std::int32_t>(a.x), static_cast<std::int32_t>(a.y),
+                          static_cast<std::int32_t>(b.x), static_cast<std::int32_t>(b.y)});
+      }
+  }
+
+  void find_all() {
+    std::vector<Span> spans;
+    spans.reserve(sides_.size());
+    for (const Side& s : sides_) spans.push_back(span_of(s));
+    if (spans.size() <= kFewEdges) {
+      for (Index k = 1; k < spans.size(); ++k)
+        for (Index i = 0; i < k; ++i)
+          if (overlap(spans[i], spans[k])) meet(i, k);
+    } else {
+      StripSweep(spans).run([&](Index i, Index k) { meet(i, k); });
+    }
+    for (Index i = 0; i < next_.size(); ++i) fold(i, next_[i]);
+  }
+
+  /// Looks for what doubtful edges meet that was not met before.
+  void find_again() {
+    std::vector<Edge> edges;
+    std::vector<Index> index;
+    for (Index i = 0; i < sides_.size(); ++i)
+      if (doubtful_[i] != 0) edges.push_back({sides_[i].a(), sides_[i].b()}), index.push_back(i);
+    const EdgeGrid grid(edges);
+    for (Index i = 0; i < sides_.size(); ++i) {
+      grid.along(sides_[i].a(), sides_[i].b(), [&](std::size_t c) {
+        for (const Index k : grid.cell(c))
+          if (doubtful_[i] == 0 || i < index[k]) meet_if_near(i, index[k]);
+      });
+      if (doubtful_[i] != 0 || doubtful_[next_[i]] != 0) fold(i, next_[i]);
+    }
+  }
+
+  void meet_if_near(Index i, Index k) {
+    if (overlap(span_of(sides_[i]), span_of(sides_[k]))) meet(i, k);
+  }
+
+  /// Where edge i meets edge k beyond a corner that they share, both are cut; where corners lie on one
+  /// another they are nodes.
+  void meet(Index i, Index k) {
+    if (next_[i] == k || next_[k] == i) return;
+    const Side &s = sides_[i], &t = sides_[k];
+    const std::int64_t ta = s.turn(t.ax, t.ay), tb = s.turn(t.bx, t.by);
+    const double room_s = 2 * kBend * s.reach();
+    if (beyond(ta, tb, room_s)) return;
+    const std::int64_t sa = t.turn(s.ax, s.ay), sb = t.turn(s.bx, s.by);
+    const double room_t = 2 * kBend * t.reach();
+    if (beyond(sa, sb, room_t)) return;
+    if ((ta > 0) != (tb > 0) && (sa > 0) != (sb > 0) && ta != 0 && tb != 0 && sa != 0 && sb != 0) {
+      const auto from = static_cast<double>(sa), to = static_cast<double>(sb);
+      const double share = from / (from - to);
+      const Point p{s.ax + std::llround(share * static_cast<double>(s.bx - std::int64_t{s.ax})),
+                    s.ay + std::llround(share * static_cast<double>(s.by - std::int64_t{s.ay}))};
+      cut(i, p);
+      cut(k, p);
+      const bool flat = std::abs(from - to) < kFlatSine * s.reach() * t.reach();
+      if (flat || small(ta, room_s) || small(tb, room_s) || small(sa, room_t) || small(sb, room_t))
+        close_[i] = close_[k] = 1;
+      return;
+    }
+    close_[i] = close_[k] = 1;
+    if (ta == 0) touch(i, k);
+    if (tb == 0) touch(i, next_[k]);
+    if (sa == 0) touch(k, i);
+    if (sb == 0) touch(k, next_[i]);
+  }
+
+  /// Both on one side, with room between.
+  static bool beyond(std::int64_t a, std::int64_t b, double room) {
+    return (a > 0) == (b > 0) && !small(a, room) && !small(b, room);
+  }
+  static bool small(std::int64_t a, double room) { return std::abs(static_cast<double>(a)) < room; }
+
+  /// An edge and the next: they share more than their corner only where the line runs back over itself.
+  void fold(Index i, Index k) {
+    const Side &s = sides_[i], &t = sides_[k];
+    const double on = (static_cast<double>(s.bx) - s.ax) * (static_cast<double>(t.bx) - t.ax) +
+                      (static_cast<double>(s.by) - s.ay) * (static_cast<double>(t.by) - t.ay);
+    if (on > 0) return;
+    const std::int64_t off = s.turn(t.bx, t.by);
+    if (small(off, kFlatSine * s.reach() * t.reach())) close_[i] = close_[k] = 1;
+    if (off != 0) return;
+    out_.corners[k].node = true;
+    touch(i, next_[k]);
+    touch(k, i);
+  }
+
+  /// A corner on the straight line of an edge: cuts it if it lies between its ends.
+  void touch(Index edge, Index corner) {
+    const Point p = out_.corners[corner].at;
+    const Side& e = sides_[edge];
+    if (p.x < std::min(e.ax, e.bx) || p.x > std::max(e.ax, e.bx) || p.y < std::min(e.ay, e.by) ||
+        p.y > std::max(e.ay, e.by))
+      return;
+    out_.corners[corner].node = true;
+    cut(edge, p);
+  }
+
+  void cut(Index i, const Point& p) {
+    const Side& e = sides_[i];
+    if (p == e.a()) {
+      out_.corners[i].node = true;
+    } else if (p == e.b()) {
+      out_.corners[next_[i]].node = true;
+    } else {
+      cuts_.push_back({i, distance(e.a(), p), p});
+    }
+  }
+
+  /// Whether that leaves any edge in doubt: bent, and near to others.
+  bool insert_cuts() {
+    std::sort(cuts_.begin(), cuts_.end(), [](const Cut& a, const Cut& b) {
+      return a.edge != b.edge ? a.edge < b.edge : a.along != b.along ? a.along < b.along : a.at < b.at;
+    });
+    Arrangement old = std::exchange(out_, {});
+    out_.corners.reserve(old.corners.size() + cuts_.size());
+    out_.first.push_back(0);
+    doubtful_.clear();
+    bool any = false;
+    auto cut = cuts_.begin();
+    for (std::size_t line = 0; line + 1 < old.first.size(); ++line) {
+      for (Index i = old.first[line]; i < old.first[line + 1]; ++i) {
+        out_.corners.push_back(old.corners[i]);
+        bool bent = false, close = close_[i] != 0;
+        for (double last = -kApart; cut != cuts_.end() && cut->edge == i; ++cut) {
+          if (out_.corners.back().at == cut->at) continue;
+          bent |=
+              sides_[i].turn(static_cast<std::int32_t>(cut->at.x), static_cast<std::int32_t>(cut->at.y)) != 0;
+          close |= cut->along - last < kApart;
+          last = cut->along;
+          out_.corners.push_back({cut->at, true});
+        }
+        doubtful_.resize(out_.corners.size(), bent && close ? 1 : 0);
+        any |= bent && close;
+      }
+      out_.first.push_back(static_cast<Index>(out_.corners.size()));
+    }
+    cuts_.clear();
+    return any;
+  }
+
+  Arrangement out_;
+  std::vector<char> doubtful_;  ///< by edge, which has its first corner's number
+  std::vector<Side> sides_;
+  std::vector<Index> next_;
+  std::vector<char> close_;  ///< by edge: being bent, it could meet what it did not meet
+  std::vector<Cut> cuts_;
+};
+
+}  // namespace
+
+std::optional<Arrangement> arrange(std::span<const Ring* const> lines) { return Arranger(lines).run(); }
+
+}  // namespace voidpath::geom

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "engine/geom/polygon.h"
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace voidpath::geom {
+
+/// Closed lines cut at all places where they meet: their edges have nothing in common but corners.
+struct Arrangement {
+  struct Corner {
+    Point at;
+    bool node = false;  ///< other edges than the two of its line may meet here
+  };
+  std::vector<Corner> corners;       ///< line by line
+  std::vector<std::uint32_t> first;  ///< of each line, and the end of the last
+
+  std::uint32_t next(std::size_t line, std::uint32_t corner) const {
+    return corner + 1 == first[line + 1] ? first[line] : corner + 1;
+  }
+};
+
+/// Crossings are rounded to whole nm, which bends the edges that meet there; what bends may meet others, so
+/// it is gone over until nothing new comes (iterated snap rounding: Halperin and Packer 2002). Lines that
+/// keep fewer than three corners once repeated ones are left out stay empty. Nothing if that finds no end.
+std::optional<Arrangement> arrange(std::span<const Ring* const> lines);
+
+}  // namespace voidpath::geom
