@@ -33,7 +33,7 @@ void add_bridge(std::vector<Path>& out, const BridgeArea& bridge, const BeadSize
   const double flow = settings.slice.bridge_flow;
   const double width = strand * std::sqrt(flow);
   const double into_walls = settings.slice.perimeters > 0 ? kIntoWallsWidths * bead.width_mm : 0;
-  for (const auto& domain : centre_line_area(bridge.area, bead, settings.slice.infill_overlap))
+  for (const auto& domain : centre_line_area(bridge.area, bead, fill_overlap(settings.slice, bead)))
     for (auto& line : bridge_lines(domain, bridge.ground, bridge.angle_rad, strand, into_walls))
       out.push_back(make_path(Role::bridge_infill, std::move(line), false, width, width,
                               flow * strand_area_mm2(strand)));
@@ -110,7 +110,7 @@ LayerDraft draft_layer(const slice::Layer& layer, std::size_t index, LayerWalls&
   }
   const Sharer sharer(layer.regions);
   auto each = [&](const geom::Regions& areas, auto&& fill) {
-    for (const auto& domain : centre_line_area(areas, bead, s.infill_overlap))
+    for (const auto& domain : centre_line_area(areas, bead, fill_overlap(s, bead)))
       if (!domain.outer.empty()) fill(domain, out.islands[sharer.owner(domain)].fills);
   };
   for (const auto& bridge : surfaces.bridges)

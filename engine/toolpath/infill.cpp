@@ -65,6 +65,11 @@ geom::Regions centre_line_area(const geom::Regions& area, const BeadSize& bead, 
   return inset == 0 ? area : geom::offset(area, -from_mm(inset));
 }
 
+double fill_overlap(const SliceSettings& settings, const BeadSize& bead) {
+  if (settings.perimeters > 0) return settings.infill_overlap;
+  return 0.5 * (bead.spacing_mm() / bead.width_mm - 1);
+}
+
 FillLines solid_fill(const geom::Region& domain, double angle_rad, const BeadSize& bead) {
   const double spacing = bead.spacing_mm();
   Hatch h = hatch({domain}, {angle_rad, spacing, true, kSolidLinkSpacings * spacing});

@@ -16,6 +16,9 @@ struct FillLines {
 
 /// Where the centre lines of fill may run, so that its beads overlap the walls as asked.
 geom::Regions centre_line_area(const geom::Regions& area, const BeadSize& bead, double overlap);
+/// How far beads of the filling reach beyond their area, in their widths: into the walls, and of a part
+/// without walls not at all.
+double fill_overlap(const SliceSettings& settings, const BeadSize& bead);
 
 /// Lines side by side over one region of centre_line_area().
 FillLines solid_fill(const geom::Region& domain, double angle_rad, const BeadSize& bead);

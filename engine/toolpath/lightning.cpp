@@ -53,7 +53,7 @@ class Lightning {
     loads_.resize(n);
     run::parallel_for(ctx_, n, [&](std::size_t i) {
       const BeadSize bead = bead_of_layer(settings_, i, stack_[i].span.height_mm());
-      domains_[i] = centre_line_area(surfaces_[i].sparse, bead, settings_.infill_overlap);
+      domains_[i] = centre_line_area(surfaces_[i].sparse, bead, fill_overlap(settings_, bead));
       loads_[i] = load(i);
     });
     Branches branches;

@@ -76,6 +76,7 @@ const std::vector<Mode>& modes() {
         {"slice.infill_density", "1"}},
        {"drilled"}},
       {"elephant foot", {{"slice.elephant_foot_mm", "0.2"}, {"slice.infill_density", "1"}}, {"drilled"}},
+      {"no walls, solid", {{"slice.perimeters", "0"}, {"slice.infill_density", "1"}}, {"drilled"}},
       {"arcs", {{"machine.arcs", "true"}}, {"beaker", "ball"}},
   };
   return all;
