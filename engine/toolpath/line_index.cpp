@@ -82,4 +82,22 @@ LineIndex::Hit LineIndex::nearest(const Point& p, double limit) const {
   return best;
 }
 
+bool LineIndex::reaches(const Point& p, double distance) const {
+  auto found = [&](Coord x, Coord y) {
+    if (x < 0 || y < 0 || x >= columns_ || y >= rows_) return false;
+    const auto& cell = cells_[static_cast<std::size_t>(y * columns_ + x)];
+    return std::any_of(cell.begin(), cell.end(), [&](std::uint32_t id) {
+      return geom::distance(p, nearest_on_line(p, lines_[id].a, lines_[id].b)) <= distance;
+    });
+  };
+  const Coord cx = column(p.x), cy = row(p.y);
+  if (found(cx, cy)) return true;
+  // A line may be filed one cell beside its place.
+  const Coord reach = static_cast<Coord>(distance) / cell_ + 2;
+  for (Coord y = cy - reach; y <= cy + reach; ++y)
+    for (Coord x = cx - reach; x <= cx + reach; ++x)
+      if ((x != cx || y != cy) && found(x, y)) return true;
+  return false;
+}
+
 }  // namespace voidpath::toolpath

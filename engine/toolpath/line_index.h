@@ -25,6 +25,8 @@ class LineIndex {
   void add(const geom::Point& a, const geom::Point& b);
   /// Nothing beyond `limit` nm is looked for.
   Hit nearest(const geom::Point& p, double limit) const;
+  /// Whether any line is as near as that, nm.
+  bool reaches(const geom::Point& p, double distance) const;
   const geom::Box& box() const { return box_; }
   std::size_t size() const { return lines_.size(); }
 

@@ -143,10 +143,14 @@ struct Borders {
     for (geom::Polyline& cap : caps_of(domain, lines))
       if (parts.empty() || length_of(geom::clip_inside({cap}, parts)) <= kAlreadyBordered * geom::length(cap))
         caps.push_back(std::move(cap));
-    append(narrow, std::move(parts));
+    append(narrow, quick_intersect(parts, {domain}));
   }
 
-  void close(double line_mm) { all = quick_unite(bead_area(caps, line_mm * geom::kNmPerMm), narrow); }
+  void close(double line_mm) {
+    geom::Polylines plain;
+    for (const geom::Polyline& cap : caps) plain.push_back(geom::simplify(cap, from_mm(kBorderToleranceMm)));
+    all = quick_unite(bead_area(plain, line_mm * geom::kNmPerMm), narrow);
+  }
 
  private:
   static double length_of(const geom::Polylines& lines) {

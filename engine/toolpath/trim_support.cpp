@@ -2,6 +2,7 @@
 
 #include "engine/geom/area_grid.h"
 #include "engine/geom/polygon_ops.h"
+#include "engine/run/parallel_for.h"
 #include "engine/toolpath/line_index.h"
 #include "engine/toolpath/region_ops.h"
 #include "engine/toolpath/support_borders.h"
@@ -91,8 +92,8 @@ class Carrier {
 
   bool carries(const Point& p, bool dense) const {
     if (index_.size() > 0) {
+      if (index_.reaches(p, dense ? dense_lean_ : lean_)) return true;
       const LineIndex::Hit hit = index_.nearest(p, between_);
-      if (hit.distance <= (dense ? dense_lean_ : lean_)) return true;
       if (hit.distance <= between_ && beyond(p, hit)) return true;
     }
     return part_ && part_->contains(p);
@@ -104,7 +105,7 @@ class Carrier {
     const double t = between_ / hit.distance;
     const Point q{p.x + std::llround(t * static_cast<double>(p.x - hit.at.x)),
                   p.y + std::llround(t * static_cast<double>(p.y - hit.at.y))};
-    return index_.nearest(q, between_).distance <= between_;
+    return index_.reaches(q, between_);
   }
 
   double lean_, dense_lean_, between_;  ///< nm
@@ -181,8 +182,10 @@ class Trimmer {
         apart_mm_(support_line_distance_mm(s, s.support_density)),
         slope_(std::tan(std::clamp(s.support_angle_deg, 0.0, kMostLeanDeg) * std::numbers::pi / 180)) {}
 
-  void trim(std::vector<Path>& own, const std::vector<Path>& below, std::size_t i) const {
-    if (own.empty()) return;
+  /// What is carried of the lines of layer i; nothing when all of them are.
+  std::optional<std::vector<Path>> trimmed(const std::vector<Path>& own, const std::vector<Path>& below,
+                                           std::size_t i) const {
+    if (own.empty()) return std::nullopt;
     std::unordered_set<Segment, SegmentHash> same;
     each_segment(below, [&](const Point& a, const Point& b) { same.insert(segment(a, b)); });
     std::vector<bool> new_here(own.size(), false);
@@ -194,7 +197,7 @@ class Trimmer {
       const auto b = new_here[k] ? geom::bounds(line) : std::nullopt;
       if (b) box = box ? joined(*box, *b) : *b;
     }
-    if (!box) return;
+    if (!box) return std::nullopt;
     const std::size_t bearer = layer_below_gap(stack_, i, settings_.support_z_gap_mm);
     const double lean =
         std::max(slope_ * stack_[i].span.height_mm(), kCarriedShare * settings_.line_width_mm) + kLineErrorMm;
@@ -202,12 +205,14 @@ class Trimmer {
                           lean + 0.5 * settings_.line_width_mm, apart_mm_, *box);
     std::vector<Path> out;
     out.reserve(own.size());
+    bool all = true;
     for (std::size_t k = 0; k < own.size(); ++k)
       if (new_here[k])
-        trim(std::move(own[k]), carrier, out);
+        all &= trim(own[k], carrier, out);
       else
-        out.push_back(std::move(own[k]));
-    own = std::move(out);
+        out.push_back(own[k]);
+    if (all) return std::nullopt;
+    return out;
   }
 
  private:
@@ -216,22 +221,23 @@ class Trimmer {
             {std::max(a.max.x, b.max.x), std::max(a.max.y, b.max.y)}};
   }
 
-  void trim(Path&& path, const Carrier& carrier, std::vector<Path>& out) const {
+  /// Whether the path is left as it is.
+  bool trim(const Path& path, const Carrier& carrier, std::vector<Path>& out) const {
     const bool dense = path.role == Role::support_interface;
     const Polyline line = whole_line(path);
     std::vector<Stretch> stretches = stretches_of(line, carrier, dense);
     const bool uniform = stretches.size() == 1;
     if (uniform && (stretches.front().held || geom::length(line) < kTipMm * geom::kNmPerMm)) {
-      out.push_back(std::move(path));
-      return;
+      out.push_back(path);
+      return true;
     }
     double all = 0, kept = 0;
     for (const Stretch& s : stretches) all += geom::length(s.points);
     std::vector<Polyline> pieces = held_pieces(std::move(stretches), path.closed, kTipMm, apart_mm_);
     for (const Polyline& p : pieces) kept += geom::length(p);
     if (pieces.size() == 1 && kept > all - 1.0) {
-      out.push_back(std::move(path));
-      return;
+      out.push_back(path);
+      return true;
     }
     for (Polyline& p : pieces) {
       if (geom::length(p) < kLeastPieceMm * geom::kNmPerMm) continue;
@@ -240,6 +246,7 @@ class Trimmer {
       piece.points = geom::simplify(p, 1);
       out.push_back(std::move(piece));
     }
+    return false;
   }
 
   const slice::LayerStack& stack_;
@@ -254,9 +261,17 @@ void trim_support(std::vector<std::vector<Path>*>& lines, const slice::LayerStac
                   const SliceSettings& settings, const run::Context& ctx) {
   if (settings.support_density <= 0) return;
   const Trimmer trimmer(stack, settings);
+  // Most layers stay as they are: what is above them is known at once.
+  std::vector<std::optional<std::vector<Path>>> found(lines.size());
+  run::parallel_for(ctx, lines.size(), [&](std::size_t i) {
+    if (i > 0) found[i] = trimmer.trimmed(*lines[i], *lines[i - 1], i);
+  });
+  bool below_changed = false;
   for (std::size_t i = 1; i < lines.size(); ++i) {
     ctx.check();
-    trimmer.trim(*lines[i], *lines[i - 1], i);
+    if (below_changed) found[i] = trimmer.trimmed(*lines[i], *lines[i - 1], i);
+    below_changed = found[i].has_value();
+    if (below_changed) *lines[i] = *std::move(found[i]);
   }
 }
 
