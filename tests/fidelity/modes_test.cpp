@@ -153,8 +153,7 @@ TEST_CASE("real parts, sliced in every way", "[.every]") {
     const mesh::TriangleMesh mesh = imported(test::real_model(fs::path(shared) / "models" / name));
     for (const Mode& m : modes()) {
       if (one_mode != nullptr && m.name.find(one_mode) == std::string::npos) continue;
-      Sliced part = sliced(mesh, options_for(m.set));
-      part.rules.largest_pixel = 0.08;  // mm; the bounds know it
+      const Sliced part = sliced(mesh, options_for(m.set));
       const Findings f = checked(part);
       const Names beyond = beyond_bounds(f, m.bounds(part.rules));
       std::cout << told(std::string(name) + ", " + m.name, f);
