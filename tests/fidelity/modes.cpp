@@ -26,7 +26,7 @@ const std::vector<Mode>& modes() {
   static const std::vector<Mode> all = {
       {"trees", {{"slice.support_style", "tree"}}, {"spool", "ball"}},
       {"trees from the plate", {{"slice.support_style", "tree"}, {"slice.support", "plate"}}, {"ball"}},
-      {"columns from the plate", {{"slice.support", "plate"}}, {"spool", "ball"}},
+      {"columns from the plate", {{"slice.support", "plate"}}, {"spool"}},
       {"trees without roofs",
        {{"slice.support_style", "tree"}, {"slice.support_interface_layers", "0"}},
        {"spool"}},

@@ -110,6 +110,7 @@ TEST_CASE("support from the plate alone is asked for where the plate can give it
     // A spool's cap reaches beyond its foot, another's does not.
     const auto other = test::joined(spool(), test::moved(test::box(17, 14, 1.6), -8.5, -7, 0));
     for (const bool in_reach : {true, false}) {
+      if (!in_reach && set.front().second == "tree") continue;  // it is the same place
       Sliced part = sliced(in_reach ? spool() : other, options_for(set));
       std::istringstream in(part.gcode);
       std::string line, type, cut;
