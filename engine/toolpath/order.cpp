@@ -60,24 +60,67 @@ std::vector<Visit> nearest_neighbour(const std::vector<Stop>& stops, Point at) {
   return out;
 }
 
+/// Where a sequence's visits begin and end, side by side in memory, and the way to each from the one before.
+class Legs {
+ public:
+  Legs(const std::vector<Stop>& stops, const Point& from, const std::vector<Visit>& seq)
+      : stops_(stops), from_(at(from)), in_(seq.size()), out_(seq.size()), way_(seq.size()) {
+    update(seq, 0, seq.size());
+  }
+
+  /// After visits [begin, end) have changed.
+  void update(const std::vector<Visit>& seq, std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      in_[k] = at(entry(stops_, seq[k]));
+      out_[k] = at(leave(stops_, seq[k]));
+    }
+    for (std::size_t k = begin; k < std::min(end + 1, seq.size()); ++k) way_[k] = apart(before(k), in_[k]);
+  }
+
+  struct Place {
+    double x, y;
+  };
+  static double apart(const Place& a, const Place& b) {
+    const double x = b.x - a.x, y = b.y - a.y;
+    return std::sqrt(x * x + y * y);
+  }
+  /// Whether they are certainly further apart than that.
+  static bool beyond(const Place& a, const Place& b, double limit) {
+    return std::abs(b.x - a.x) > limit || std::abs(b.y - a.y) > limit;
+  }
+
+  const Place& in(std::size_t k) const { return in_[k]; }
+  const Place& out(std::size_t k) const { return out_[k]; }
+  const Place& before(std::size_t k) const { return k == 0 ? from_ : out_[k - 1]; }
+  /// From the visit before to visit k; beyond the end there is none.
+  double way(std::size_t k) const { return k < way_.size() ? way_[k] : 0; }
+
+ private:
+  static Place at(const Point& p) { return {static_cast<double>(p.x), static_cast<double>(p.y)}; }
+
+  const std::vector<Stop>& stops_;
+  Place from_;
+  std::vector<Place> in_, out_;
+  std::vector<double> way_;
+};
+
 /// Turns visits [i, j] round: the travel into the first and out of the last changes, the rest stays as
 /// long as it was.
 bool improve(const std::vector<Stop>& stops, const Point& from, std::vector<Visit>& seq) {
   bool better = false;
+  Legs legs(stops, from, seq);
   for (std::size_t i = 0; i < seq.size(); ++i) {
-    const Point& before = i == 0 ? from : leave(stops, seq[i - 1]);
     for (std::size_t j = i; j < std::min(i + kWindow, seq.size()); ++j) {
-      const Visit& last = seq[j];
-      if (!stops[last.index].reversible) break;
-      double gain = geom::distance(before, entry(stops, seq[i])) - geom::distance(before, leave(stops, last));
-      if (j + 1 < seq.size()) {
-        const Point& after = entry(stops, seq[j + 1]);
-        gain += geom::distance(leave(stops, last), after) - geom::distance(entry(stops, seq[i]), after);
-      }
+      if (!stops[seq[j].index].reversible) break;
+      // What can be saved at all is the two ways there are.
+      if (Legs::beyond(legs.before(i), legs.out(j), legs.way(i) + legs.way(j + 1))) continue;
+      double gain = legs.way(i) - Legs::apart(legs.before(i), legs.out(j));
+      if (j + 1 < seq.size()) gain += legs.way(j + 1) - Legs::apart(legs.in(i), legs.in(j + 1));
       if (gain < kMinGain) continue;
       std::reverse(seq.begin() + static_cast<std::ptrdiff_t>(i),
                    seq.begin() + static_cast<std::ptrdiff_t>(j) + 1);
       for (std::size_t k = i; k <= j; ++k) seq[k].reversed = !seq[k].reversed;
+      legs.update(seq, i, j + 1);
       better = true;
     }
   }
@@ -89,34 +132,35 @@ bool improve(const std::vector<Stop>& stops, const Point& from, std::vector<Visi
 bool relocate(const std::vector<Stop>& stops, const Point& from, std::vector<Visit>& seq) {
   bool better = false;
   const std::size_t n = seq.size();
-  /// Way from visit i to visit j of the sequence; i = -1 is the start, beyond the end there is none.
-  auto way = [&](std::size_t i, std::size_t j) {
-    if (j >= n) return 0.0;
-    return geom::distance(i + 1 == 0 ? from : leave(stops, seq[i]), entry(stops, seq[j]));
-  };
+  Legs legs(stops, from, seq);
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t length = 1; length <= kMaxMoved && i + length <= n; ++length) {
       const std::size_t j = i + length - 1;
-      const double saved = way(i - 1, i) + way(j, j + 1) - way(i - 1, j + 1);
+      const double shortcut = j + 1 < n ? Legs::apart(legs.before(i), legs.in(j + 1)) : 0;
+      const double saved = legs.way(i) + legs.way(j + 1) - shortcut;
       if (saved < kMinGain) continue;
       const bool turnable = std::all_of(seq.begin() + static_cast<std::ptrdiff_t>(i),
                                         seq.begin() + static_cast<std::ptrdiff_t>(j) + 1,
                                         [&](const Visit& v) { return stops[v.index].reversible; });
-      const Point &first = entry(stops, seq[i]), &last = leave(stops, seq[j]);
+      const Legs::Place &first = legs.in(i), &last = legs.out(j);
       double best = saved - kMinGain;
       std::size_t place = n;  // after this visit
       bool turned = false;
       const std::size_t low = i > kWindow ? i - kWindow : 0;
       for (std::size_t k = low; k <= std::min(j + kWindow, n); ++k) {  // between k - 1 and k
         if (k >= i && k <= j + 1) continue;
-        const Point& before = k == 0 ? from : leave(stops, seq[k - 1]);
-        const double old = way(k - 1, k);
-        const double ahead = k < n ? geom::distance(last, entry(stops, seq[k])) : 0;
-        const double behind = k < n ? geom::distance(first, entry(stops, seq[k])) : 0;
-        const double cost = geom::distance(before, first) + ahead - old;
-        if (cost < best) best = cost, place = k, turned = false;
-        const double cost_turned = geom::distance(before, last) + behind - old;
-        if (turnable && cost_turned < best) best = cost_turned, place = k, turned = true;
+        const Legs::Place& before = legs.before(k);
+        const double old = legs.way(k);
+        if (!Legs::beyond(before, first, best + old)) {
+          const double ahead = k < n ? Legs::apart(last, legs.in(k)) : 0;
+          const double cost = Legs::apart(before, first) + ahead - old;
+          if (cost < best) best = cost, place = k, turned = false;
+        }
+        if (turnable && !Legs::beyond(before, last, best + old)) {
+          const double behind = k < n ? Legs::apart(first, legs.in(k)) : 0;
+          const double cost = Legs::apart(before, last) + behind - old;
+          if (cost < best) best = cost, place = k, turned = true;
+        }
       }
       if (best >= saved - kMinGain) continue;
       const auto begin = seq.begin() + static_cast<std::ptrdiff_t>(i);
@@ -130,6 +174,7 @@ bool relocate(const std::vector<Stop>& stops, const Point& from, std::vector<Vis
         std::rotate(to, begin, end);
       else
         std::rotate(begin, end, to);
+      legs.update(seq, std::min(i, place), std::max(j + 1, place));
       better = true;
       break;
     }

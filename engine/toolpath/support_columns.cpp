@@ -50,24 +50,53 @@ void split_interface(const std::vector<Regions>& contact, std::size_t i, Support
   areas.interface = quick_subtract(column, areas.sparse);
 }
 
+/// What one layer's column stands on, and how far it may lean out over it.
+struct Stand {
+  const Regions& column;
+  const Regions& below;
+  const Regions* part = nullptr;
+  geom::Coord lean = 0;
+
+  bool carries_all() const {
+    if (column.empty() || column == below) return true;
+    Regions fresh = quick_subtract(column, below);
+    if (part != nullptr) fresh = quick_subtract(fresh, *part);
+    return fresh.empty() || geom::open(fresh, lean / 2).empty();
+  }
+
+  Regions held(const SliceSettings& s) const {
+    Regions out = geom::offset(below, lean);
+    if (part != nullptr) out = quick_unite(out, *part);
+    return geom::remove_small(geom::open(quick_intersect(column, out), from_mm(0.5 * s.line_width_mm)),
+                              kMinColumnMm2 * kMm2);
+  }
+};
+
 /// From the plate up, each column without what nothing below carries: beside a part, room begins above it
 /// that had none below.
 void drop_unheld(std::vector<Regions>& columns, const slice::LayerStack& stack, const SliceSettings& s,
                  const run::Context& ctx) {
   const double slope = std::tan(std::clamp(s.support_angle_deg, 0.0, kMostLeanDeg) * std::numbers::pi / 180);
+  const auto stand_of = [&](std::size_t i) {
+    const std::size_t bearer = layer_below_gap(stack, i, s.support_z_gap_mm);
+    return Stand{columns[i], columns[i - 1], bearer < stack.size() ? &stack[bearer].regions : nullptr,
+                 from_mm(std::max(slope * stack[i].span.height_mm(), kCarriedShare * s.line_width_mm))};
+  };
+  // Above what stays as it is, the answer is known at once.
+  std::vector<char> carried(columns.size(), 1);
+  run::parallel_for(ctx, columns.size(), [&](std::size_t i) {
+    if (i > 0) carried[i] = stand_of(i).carries_all() ? 1 : 0;
+  });
+  bool below_changed = false;
   for (std::size_t i = 1; i < columns.size(); ++i) {
     ctx.check();
-    if (columns[i].empty() || columns[i] == columns[i - 1]) continue;
-    const std::size_t below = layer_below_gap(stack, i, s.support_z_gap_mm);
-    Regions fresh = quick_subtract(columns[i], columns[i - 1]);
-    if (below < stack.size()) fresh = quick_subtract(fresh, stack[below].regions);
-    const geom::Coord lean =
-        from_mm(std::max(slope * stack[i].span.height_mm(), kCarriedShare * s.line_width_mm));
-    if (fresh.empty() || geom::open(fresh, lean / 2).empty()) continue;
-    Regions held = geom::offset(columns[i - 1], lean);
-    if (below < stack.size()) held = quick_unite(held, stack[below].regions);
-    columns[i] = geom::remove_small(
-        geom::open(quick_intersect(columns[i], held), from_mm(0.5 * s.line_width_mm)), kMinColumnMm2 * kMm2);
+    const Stand stand = stand_of(i);
+    const bool whole = below_changed ? stand.carries_all() : carried[i] != 0;
+    below_changed = false;
+    if (whole) continue;
+    Regions held = stand.held(s);
+    below_changed = held != columns[i];
+    columns[i] = std::move(held);
   }
 }
 
