@@ -1,6 +1,7 @@
 #include "engine/geom/overlay.h"
 
 #include "engine/geom/arrangement.h"
+#include "engine/geom/nesting.h"
 #include "engine/geom/predicates.h"
 
 #include <algorithm>
@@ -310,12 +311,6 @@ class Overlayer {
     return true;
   }
 
-  struct Traced {
-    Ring ring;
-    Point probe;  ///< a corner that no other ring has
-    bool has_probe = false;
-  };
-
   /// What a chain borders: nothing, or the filled side.
   enum class Side : char { none, left, right };
 
@@ -328,13 +323,13 @@ class Overlayer {
       const bool left = inside(chain.left()), right = inside(chain.right);
       if (left != right) sides_[c] = left ? Side::left : Side::right;
       if (chain.from != kNone || left == right) continue;
-      Traced t{{}, at(chain.first), true};
+      TracedRing t{{}, at(chain.first), true};
       for (Index k = 0; k < chain.edges; ++k) t.ring.push_back(at(corner(chain, k)));
       if (right) reverse(t.ring);
       traced_.push_back(std::move(t));
     }
     if (!trace_chains()) return std::nullopt;
-    return nested();
+    return nest(std::move(traced_));
   }
 
   /// The border leaves this node by this spoke.
@@ -388,7 +383,7 @@ class Overlayer {
 
   /// The border is back at a node: what lies between is a ring.
   void cut_ring(std::vector<Index>& path, std::vector<Index>& place, Index node) {
-    Traced t;
+    TracedRing t;
     const std::size_t begin = place[node];
     for (std::size_t k = begin; k < path.size(); ++k) {
       const Chain& chain = chains_[path[k]];
@@ -406,46 +401,6 @@ class Overlayer {
     if (t.ring.size() >= 3) traced_.push_back(std::move(t));
   }
 
-  static void drop_straight(Ring& ring) {
-    const std::size_t n = ring.size();
-    Ring out;
-    for (std::size_t i = 0; i < n; ++i) {
-      const Point& before = out.empty() ? ring[n - 1] : out.back();
-      if (orientation(before, ring[i], ring[(i + 1) % n]) != 0) out.push_back(ring[i]);
-    }
-    ring = std::move(out);
-  }
-
-  /// Holes go into the smallest outer ring around them.
-  std::optional<Regions> nested() {
-    Regions out;
-    std::vector<std::pair<Box, double>> outer;
-    std::vector<const Traced*> holes;
-    for (Traced& t : traced_) {
-      const double size = area(t.ring);
-      if (size < 0) {
-        holes.push_back(&t);
-      } else if (size > 0) {
-        outer.emplace_back(*bounds(t.ring), size);
-        out.push_back({std::move(t.ring), {}});
-      }
-    }
-    for (const Traced* hole : holes) {
-      if (!hole->has_probe) return std::nullopt;
-      std::size_t best = out.size();
-      for (std::size_t k = 0; k < out.size(); ++k) {
-        const Box& b = outer[k].first;
-        if (hole->probe.x < b.min.x || hole->probe.x > b.max.x || hole->probe.y < b.min.y ||
-            hole->probe.y > b.max.y || (best < out.size() && outer[best].second <= outer[k].second))
-          continue;
-        if (contains(out[k].outer, hole->probe)) best = k;
-      }
-      if (best == out.size()) return std::nullopt;
-      out[best].holes.push_back(hole->ring);
-    }
-    return out;
-  }
-
   const Arrangement& all_;
   std::size_t lines_of_a_;
   std::vector<Index> node_of_;  ///< by corner, where it is one
@@ -459,7 +414,7 @@ class Overlayer {
   std::vector<Index> todo_;            ///< nodes next to known chains
   std::vector<Side> sides_;            ///< by chain
   std::vector<std::uint32_t> visits_;  ///< of the border, by node
-  std::vector<Traced> traced_;
+  std::vector<TracedRing> traced_;
 };
 
 template <class Inside>
