@@ -1,7 +1,5 @@
 #include "engine/geom/arrangement.h"
 
-#include "engine/geom/edge_grid.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -89,6 +87,15 @@ class StripSweep {
     strips_.assign(strip(top) + 1, kEnd);
   }
 
+  /// Only strips with one of these edges are swept.
+  void keep_only(const std::vector<char>& wanted) {
+    used_.assign(strips_.size(), 0);
+    for (std::size_t i = 0; i < spans_.size(); ++i)
+      if (wanted[i] != 0)
+        std::fill(used_.begin() + static_cast<std::ptrdiff_t>(strip(spans_[i].bottom)),
+                  used_.begin() + static_cast<std::ptrdiff_t>(strip(spans_[i].top)) + 1, char{1});
+  }
+
   template <class Meet>
   void run(const Meet& meet) {
     std::vector<std::uint64_t> by_left;
@@ -103,7 +110,8 @@ class StripSweep {
       const auto i = static_cast<Index>(key & 0xffffffff);
       const Span& s = spans_[i];
       const std::size_t first = strip(s.bottom), last = strip(s.top);
-      for (std::size_t k = first; k <= last; ++k) pass(k, i, s, meet);
+      for (std::size_t k = first; k <= last; ++k)
+        if (used_.empty() || used_[k] != 0) pass(k, i, s, meet);
     }
   }
 
@@ -145,6 +153,7 @@ class StripSweep {
   const std::vector<Span>& spans_;
   std::int32_t bottom_ = 0;
   double per_height_ = 1;
+  std::vector<char> used_;     ///< strips; all if empty
   std::vector<Index> strips_;  ///< the last begun of each
   std::vector<Begun> begun_;
 };
@@ -207,22 +216,16 @@ class Arranger {
 
   /// Looks for what doubtful edges meet that was not met before.
   void find_again() {
-    std::vector<Edge> edges;
-    std::vector<Index> index;
-    for (Index i = 0; i < sides_.size(); ++i)
-      if (doubtful_[i] != 0) edges.push_back({sides_[i].a(), sides_[i].b()}), index.push_back(i);
-    const EdgeGrid grid(edges);
-    for (Index i = 0; i < sides_.size(); ++i) {
-      grid.along(sides_[i].a(), sides_[i].b(), [&](std::size_t c) {
-        for (const Index k : grid.cell(c))
-          if (doubtful_[i] == 0 || i < index[k]) meet_if_near(i, index[k]);
-      });
+    std::vector<Span> spans;
+    spans.reserve(sides_.size());
+    for (const Side& s : sides_) spans.push_back(span_of(s));
+    StripSweep sweep(spans);
+    sweep.keep_only(doubtful_);
+    sweep.run([&](Index i, Index k) {
+      if (doubtful_[i] != 0 || doubtful_[k] != 0) meet(i, k);
+    });
+    for (Index i = 0; i < next_.size(); ++i)
       if (doubtful_[i] != 0 || doubtful_[next_[i]] != 0) fold(i, next_[i]);
-    }
-  }
-
-  void meet_if_near(Index i, Index k) {
-    if (overlap(span_of(sides_[i]), span_of(sides_[k]))) meet(i, k);
   }
 
   /// Where edge i meets edge k beyond a corner that they share, both are cut; where corners lie on one

@@ -36,8 +36,8 @@ std::string png(const Picture& picture) {
   image.height = static_cast<png_uint_32>(picture.height);
   image.format = PNG_FORMAT_RGBA;
   const auto failure = [&] { return std::runtime_error(std::string("PNG: ") + image.message); };
-  png_alloc_size_t size = 0;
-  if (png_image_write_get_memory_size(image, size, 0, picture.rgba.data(), 0, nullptr) == 0) throw failure();
+  // Asking for the size would compress everything once more.
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
   std::string out(size, '\0');
   if (png_image_write_to_memory(&image, out.data(), &size, 0, picture.rgba.data(), 0, nullptr) == 0)
     throw failure();
