@@ -18,11 +18,13 @@
 #include "engine/toolpath/support_task.h"
 #include "engine/toolpath/supports.h"
 #include "engine/toolpath/surfaces.h"
+#include "engine/toolpath/threads.h"
 #include "engine/toolpath/tips.h"
 #include "engine/toolpath/trim_support.h"
 #include "engine/toolpath/unheld.h"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 namespace voidpath::toolpath {
@@ -180,10 +182,17 @@ SampledPlan build_samples(const slice::LayerStack& cuts, const std::vector<Layer
     const std::size_t i = groups[g].sample;
     LayerPlan& layer = plan.layers[below + g];
     if (i > 0) {
-      const double width = beads[below + g].width_mm;
       const std::size_t bearer = layer_below_gap(stack, i, s.support_z_gap_mm);
       if (n == stack.size() && bearer < n)
         hold_tips(layer.paths, stack[i].regions, stack[i - 1].regions, printed_area(supports[bearer]));
+    }
+  });
+  if (n == stack.size()) cut_threads(std::span(plan.layers).subspan(below), stack, supports, s, ctx);
+  run::parallel_for(ctx, n, [&](std::size_t g) {
+    const std::size_t i = groups[g].sample;
+    LayerPlan& layer = plan.layers[below + g];
+    if (i > 0) {
+      const double width = beads[below + g].width_mm;
       mark_overhangs(layer.paths, stack[i].regions, stack[i - 1].regions, width, settings.speed);
     }
     layer.support = printed_area(supports[g]);

@@ -31,8 +31,12 @@ constexpr double kTipMm = 0.4;
 constexpr double kDenseTipShare = 0.5;
 /// Pieces shorter than this hold nothing, mm.
 constexpr double kLeastPieceMm = 0.6;
-/// Between two lines is what has one on either side, no further than this share of their distance.
+/// Between two lines is what no disc reaches whose radius is this share of their distance.
 constexpr double kBetweenShare = 0.68;
+/// Such discs are laid beside a place in this many directions...
+constexpr int kDiscs = 16;
+/// ...and reach over it by this, mm.
+constexpr double kTouchMm = 0.05;
 /// A line is carried by one beside it below that it overlaps by so much of its width.
 constexpr double kCarriedShare = 0.25;
 /// Support leans out no further than this, degrees from vertical...
@@ -93,19 +97,21 @@ class Carrier {
   bool carries(const Point& p, bool dense) const {
     if (index_.size() > 0) {
       if (index_.reaches(p, dense ? dense_lean_ : lean_)) return true;
-      const LineIndex::Hit hit = index_.nearest(p, between_);
-      if (hit.distance <= between_ && beyond(p, hit)) return true;
+      if (index_.reaches(p, between_) && enclosed(p)) return true;
     }
     return part_ && part_->contains(p);
   }
 
  private:
-  /// Whether there is a line on the other side of p as well.
-  bool beyond(const Point& p, const LineIndex::Hit& hit) const {
-    const double t = between_ / hit.distance;
-    const Point q{p.x + std::llround(t * static_cast<double>(p.x - hit.at.x)),
-                  p.y + std::llround(t * static_cast<double>(p.y - hit.at.y))};
-    return index_.reaches(q, between_);
+  /// Whether every disc that reaches over p touches a line.
+  bool enclosed(const Point& p) const {
+    const double reach = between_ - kTouchMm * geom::kNmPerMm;
+    for (int k = 0; k < kDiscs; ++k) {
+      const double a = 2 * std::numbers::pi * k / kDiscs;
+      const Point q{p.x + std::llround(reach * std::cos(a)), p.y + std::llround(reach * std::sin(a))};
+      if (!index_.reaches(q, reach)) return false;
+    }
+    return true;
   }
 
   double lean_, dense_lean_, between_;  ///< nm
@@ -231,11 +237,16 @@ class Trimmer {
       out.push_back(path);
       return true;
     }
-    double all = 0, kept = 0;
-    for (const Stretch& s : stretches) all += geom::length(s.points);
+    double all = 0, kept = 0, hanging = 0;
+    for (const Stretch& s : stretches) {
+      all += geom::length(s.points);
+      if (!s.held) hanging = std::max(hanging, geom::length(s.points));
+    }
+    // A loop that hangs somewhere must begin where it is held, and not where it is reached best.
+    const bool anywhere = !path.closed || hanging < kTipMm * geom::kNmPerMm;
     std::vector<Polyline> pieces = held_pieces(std::move(stretches), path.closed, kTipMm, apart_mm_);
     for (const Polyline& p : pieces) kept += geom::length(p);
-    if (pieces.size() == 1 && kept > all - 1.0) {
+    if (anywhere && pieces.size() == 1 && kept > all - 1.0) {
       out.push_back(path);
       return true;
     }

@@ -91,3 +91,13 @@ TEST_CASE("lines across may hang from one line to the next") {
   REQUIRE(far.size() == 1);
   CHECK(length_mm(far) < 4.8);
 }
+
+TEST_CASE("a loop that hangs from row to row begins on one of them") {
+  const Path loop = strand({{20.4, 1.4}, {20.4, 2.8}, {18, 2.8}, {18, 0}, {20.4, 0}}, true);
+  const auto left = trimmed({loop}, kRows);
+  REQUIRE(left.size() == 1);
+  CHECK(!left[0].closed);
+  CHECK(left[0].points.front() == left[0].points.back());
+  CHECK(length_mm(left) == Approx(10.4));
+  CHECK(std::abs(geom::to_mm(left[0].points.front().y) - 1.4) > 1.0);
+}

@@ -1,0 +1,92 @@
+#include "engine/toolpath/threads.h"
+
+#include "tests/engine/toolpath/shapes.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+using namespace voidpath;
+using namespace voidpath::test;
+using geom::from_mm;
+using toolpath::Path;
+using toolpath::Role;
+
+namespace {
+
+Path thread(double x0, double x1, double width_mm = 0.2) {
+  Path out;
+  out.role = Role::gap_fill;
+  out.width_mm = width_mm;
+  out.points = {{from_mm(x0), from_mm(5)}, {from_mm(x1), from_mm(5)}};
+  return out;
+}
+
+const geom::Regions kGround{rectangle(0, 0, 10, 10)};
+constexpr double kWidthMm = 0.45;
+
+/// How far material reaches in x, mm.
+double reach_mm(const std::vector<Path>& paths) {
+  double out = 0;
+  for (const Path& p : paths)
+    for (const geom::Point& q : p.points) out = std::max(out, geom::to_mm(q.x));
+  return out;
+}
+
+/// A block with a fin 0.25 mm thin on its side, whose lower edge juts out level at 5 mm.
+slice::LayerStack fin_stack() {
+  return stack_of(8, 0.2, [](double z) {
+    geom::Regions out{rectangle(50, 50, 60, 60)};
+    if (z > 5) out = geom::unite(out, {rectangle(60, 54, 61.5, 54.25)});
+    return out;
+  });
+}
+
+}  // namespace
+
+TEST_CASE("a thread over air is cut back to a tip beyond what holds it") {
+  for (const bool turned : {false, true}) {
+    std::vector<Path> paths{turned ? thread(13, 5) : thread(5, 13)};
+    CHECK(!toolpath::cut_threads(paths, kGround, kWidthMm).empty());
+    REQUIRE(paths.size() == 1);
+    CHECK(reach_mm(paths) == Approx(10.3).margin(0.11));
+  }
+  std::vector<Path> short_tip{thread(5, 10.3)};
+  CHECK(toolpath::cut_threads(short_tip, kGround, kWidthMm).empty());
+  CHECK(reach_mm(short_tip) == Approx(10.3));
+}
+
+TEST_CASE("threads in pieces are cut piece by piece, what hangs between two held ends stays") {
+  std::vector<Path> paths{thread(5, 9), thread(9, 10.1, 0.22), thread(10.1, 11, 0.25), thread(11, 12, 0.2)};
+  toolpath::cut_threads(paths, kGround, kWidthMm);
+  CHECK(reach_mm(paths) < 10.5);
+  const geom::Regions two{rectangle(0, 0, 10, 10), rectangle(14, 0, 20, 10)};
+  std::vector<Path> across{thread(5, 11), thread(11, 13), thread(13, 16)};
+  CHECK(toolpath::cut_threads(across, two, kWidthMm).empty());
+  CHECK(across.size() == 3);
+}
+
+TEST_CASE("what is as wide as a line stays, whatever holds it") {
+  std::vector<Path> paths{thread(5, 13, 0.4)};
+  CHECK(toolpath::cut_threads(paths, kGround, kWidthMm).empty());
+  CHECK(reach_mm(paths) == Approx(13));
+}
+
+TEST_CASE("a fin too thin for a line grows out over air tip by tip, and is whole a few layers on") {
+  toolpath::PrintSettings s;
+  s.slice.skirt_loops = 0;
+  s.slice.support = toolpath::SupportMode::none;
+  const auto plan = toolpath::build(fin_stack(), s);
+  const auto fin_mm = [&](std::size_t i) {
+    double out = 60;
+    for (const Path& p : plan.layers[i].paths)
+      if (p.role == Role::gap_fill)
+        for (const geom::Point& q : p.points) out = std::max(out, geom::to_mm(q.x));
+    return out - 60;
+  };
+
+  CHECK(fin_mm(25) < 0.7);
+  CHECK(fin_mm(35) > 1.2);
+  for (std::size_t i = 26; i < 36; ++i) CHECK(fin_mm(i) <= fin_mm(i - 1) + 0.65);
+}
