@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <numbers>
 
 #include <polyclipping/clipper.hpp>
@@ -24,6 +25,8 @@ constexpr double kArcToleranceNm = 5000;
 constexpr double kClipperArcSlack = 1.5 * 1.5;
 /// Corners that are moved and moved back come to lie at most this far beside, nm.
 constexpr Coord kDrift = 3;
+/// From which the width of a ring is looked at.
+constexpr int kDirections = 8;
 /// Clipper knows no smaller one.
 constexpr double kLeastMiterLimit = 2;
 
@@ -186,11 +189,31 @@ Regions clipper_offset(const Regions& regions, Coord delta, const OffsetStyle& s
   return out;
 }
 
+/// Whether a ring is so narrow, looked at from one of a few directions, that its edges moved inwards by
+/// `reach` leave nothing: all of them would cross one another.
+bool vanishes(const Ring& ring, Coord reach) {
+  const double least = 2 * static_cast<double>(reach);
+  for (int k = 0; k < kDirections; ++k) {
+    const double turn = std::numbers::pi * k / kDirections;
+    const double x = std::cos(turn), y = std::sin(turn);
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const Point& p : ring) {
+      const double along = x * static_cast<double>(p.x) + y * static_cast<double>(p.y);
+      low = std::min(low, along);
+      high = std::max(high, along);
+    }
+    if (high - low < least) return true;
+  }
+  return false;
+}
+
 std::optional<Regions> direct_offset(const Regions& regions, Coord delta, const OffsetStyle& style) {
   Rings moved;
   for (const Region& r : regions) {
+    if (delta < 0 && vanishes(r.outer, -delta)) continue;
     moved.push_back(raw_offset_ring(r.outer, delta, style));
-    for (const Ring& hole : r.holes) moved.push_back(raw_offset_ring(hole, delta, style));
+    for (const Ring& hole : r.holes)
+      if (delta < 0 || !vanishes(hole, delta)) moved.push_back(raw_offset_ring(hole, delta, style));
   }
   return filled(moved, FillRule::positive);
 }

@@ -238,6 +238,30 @@ TEST_CASE("opening removes what is thin, closing fills what is narrow") {
   }
 }
 
+TEST_CASE("what is narrower than it is moved inwards goes, and nothing else") {
+  for (const double turn : {0.0, 0.1, 0.3, 0.7, 1.2}) {
+    // A bar 2 mm wide, and one with a hole as wide.
+    const auto bar = [&](double half_width, double half_length) {
+      Ring ring;
+      for (const auto& [x, y] : {std::pair(-1, -1), std::pair(1, -1), std::pair(1, 1), std::pair(-1, 1)}) {
+        const double u = x * half_length, v = y * half_width;
+        ring.push_back({from_mm(std::cos(turn) * u - std::sin(turn) * v),
+                        from_mm(std::sin(turn) * u + std::cos(turn) * v)});
+      }
+      return ring;
+    };
+    const Regions plain{{bar(1, 5), {}}};
+    CHECK(offset(plain, -from_mm(1.001)).empty());
+    CHECK(area(offset(plain, -from_mm(0.99))) == Approx(0.02e6 * 8.02e6).epsilon(0.01));
+    Ring hole = bar(1, 5);
+    reverse(hole);
+    const Regions framed_bar{{bar(4, 8), {hole}}};
+    REQUIRE(offset(framed_bar, from_mm(1.001)).size() == 1);
+    CHECK(offset(framed_bar, from_mm(1.001))[0].holes.empty());
+    CHECK(offset(framed_bar, from_mm(0.99))[0].holes.size() == 1);
+  }
+}
+
 TEST_CASE("small regions and holes go") {
   const Regions f = framed();
   CHECK(remove_small(f, 17e12).size() == 1);
