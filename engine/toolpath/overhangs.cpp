@@ -20,6 +20,8 @@ constexpr double kMinStretchMm = 0.5;
 constexpr double kMinHangingMm = 0.3;
 /// A bead this much of which hangs is no longer carried, but hangs between its ends.
 constexpr double kHanging = 0.75;
+/// Of the layer below, what is thinner than this carries no line: little or nothing of it was printed, mm.
+constexpr double kFirmMm = 0.25;
 /// The outline steps out by at least this share of what its outer bead's middle does; less is not looked at.
 constexpr double kRoundingShare = 0.9;
 
@@ -112,6 +114,17 @@ bool begin_held(std::vector<Stretch>& loop, const std::vector<Band>& bands) {
   return true;
 }
 
+/// The layer below without what is too thin in this box to carry a line.
+geom::Regions firm_part(const geom::Regions& below, const geom::Box& box) {
+  const geom::Coord width = from_mm(kFirmMm);
+  // Cut off at a distance, so that the cut itself leaves nothing thin.
+  const geom::Box around = grown(box, 2 * width);
+  const geom::Regions near = quick_intersect(below, {{geom::make_rectangle(around.min, around.max), {}}});
+  const geom::Regions thin = quick_subtract(near, geom::open(near, width / 2));
+  if (thin.empty()) return below;
+  return quick_subtract(below, quick_intersect(thin, {{geom::make_rectangle(box.min, box.max), {}}}));
+}
+
 void put_in_band(Path& path, std::size_t band, const std::vector<Band>& bands) {
   if (band == 0) return;
   const Band& b = bands[band - 1];
@@ -132,7 +145,8 @@ void mark_overhangs(std::vector<Path>& paths, const geom::Regions& own, const ge
   const geom::Regions stepping = quick_subtract(own, geom::offset(below, from_mm(step)));
   if (stepping.empty()) return;
   const geom::Box box = grown(*geom::bounds(stepping), from_mm(width_mm));
-  Carrier carrier(below, width_mm, bands);
+  const geom::Regions firm = firm_part(below, box);
+  Carrier carrier(firm, width_mm, bands);
   std::vector<Path> out;
   out.reserve(paths.size());
   for (Path& path : paths) {

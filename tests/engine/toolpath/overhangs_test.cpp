@@ -78,6 +78,26 @@ TEST_CASE("a wall that leaves the layer below is cut where its bead hangs more, 
   CHECK(geom::to_mm(paths[1].points.front().x) == Approx(70).margin(0.6));
 }
 
+TEST_CASE("what is too thin below to have been printed carries no wall") {
+  toolpath::PrintSettings s = bare_settings();
+  // Between two blocks a blade, narrower than any line; a firm bridge between them carries.
+  for (const double thin : {0.1, 0.4}) {
+    CAPTURE(thin);
+    const geom::Regions below = geom::unite({rectangle(50, 50, 60, 70), rectangle(70, 50, 80, 70),
+                                             rectangle(60, 60 - thin / 2, 70, 60 + thin / 2)},
+                                            {});
+    const geom::Regions own{rectangle(50, 50, 80, 70)};
+    toolpath::Path path = wall_beyond(0);
+    path.points = {{from_mm(55), from_mm(60)}, {from_mm(75), from_mm(60)}};
+    std::vector<toolpath::Path> paths{path};
+    toolpath::mark_overhangs(paths, own, below, 0.45, s.speed);
+    double hanging = 0;
+    for (const auto& p : paths)
+      if (p.role == Role::overhang_perimeter) hanging += length_mm(p);
+    CHECK(hanging == Approx(thin < 0.25 ? 10 : 0).margin(0.5));
+  }
+}
+
 TEST_CASE("small loops keep to their speed, large ones to the wall's") {
   auto s = bare_settings();
   s.speed.perimeter = 60;
