@@ -13,6 +13,15 @@ using geom::Point;
 /// Cells along a side of the box at most.
 constexpr Coord kMaxCells = 400;
 
+double squared_distance(const Point& p, const Point& a, const Point& b) {
+  const auto dx = static_cast<double>(b.x - a.x), dy = static_cast<double>(b.y - a.y);
+  const auto px = static_cast<double>(p.x - a.x), py = static_cast<double>(p.y - a.y);
+  const double len2 = dx * dx + dy * dy;
+  const double t = len2 > 0 ? std::clamp((px * dx + py * dy) / len2, 0.0, 1.0) : 0;
+  const double x = px - t * dx, y = py - t * dy;
+  return x * x + y * y;
+}
+
 }  // namespace
 
 Point nearest_on_line(const Point& p, const Point& a, const Point& b) {
@@ -40,17 +49,18 @@ Coord LineIndex::row(Coord y) const { return std::clamp<Coord>((y - box_.min.y) 
 void LineIndex::add(const Point& a, const Point& b) {
   const auto id = static_cast<std::uint32_t>(lines_.size());
   lines_.push_back({a, b});
-  // Steps of half a cell touch every cell the line passes or one beside it; questions look one cell further.
-  const double length = geom::distance(a, b);
-  const auto steps = static_cast<Coord>(std::ceil(2 * length / static_cast<double>(cell_)));
-  std::size_t last = cells_.size();
-  for (Coord k = 0; k <= steps; ++k) {
-    const double t = steps > 0 ? static_cast<double>(k) / static_cast<double>(steps) : 0;
-    const Coord x = a.x + std::llround(t * static_cast<double>(b.x - a.x));
-    const Coord y = a.y + std::llround(t * static_cast<double>(b.y - a.y));
-    const auto at = static_cast<std::size_t>(row(y) * columns_ + column(x));
-    if (at != last) cells_[at].push_back(id);
-    last = at;
+  const Point &low = a.y <= b.y ? a : b, &high = a.y <= b.y ? b : a;
+  const Coord first = row(low.y), last = row(high.y);
+  const double slope =
+      high.y > low.y ? static_cast<double>(high.x - low.x) / static_cast<double>(high.y - low.y) : 0;
+  const auto x_at = [&](Coord y) { return low.x + std::llround(slope * static_cast<double>(y - low.y)); };
+  for (Coord r = first; r <= last; ++r) {
+    // Rounding may move a crossing by a nanometre.
+    const Coord from = r == first ? low.x : x_at(box_.min.y + r * cell_);
+    const Coord to = r == last ? high.x : x_at(box_.min.y + (r + 1) * cell_);
+    const Coord end = column(std::max(from, to) + 1);
+    for (Coord c = column(std::min(from, to) - 1); c <= end; ++c)
+      cells_[static_cast<std::size_t>(r * columns_ + c)].push_back(id);
   }
 }
 
@@ -68,8 +78,8 @@ LineIndex::Hit LineIndex::nearest(const Point& p, double limit) const {
   };
   const Coord most = std::max(columns_, rows_);
   for (Coord r = 0; r <= most; ++r) {
-    // What lies in ring r is at least r - 1 cells away; a line may be filed one cell beside its place.
-    if (static_cast<double>(std::max<Coord>(r - 2, 0)) * static_cast<double>(cell_) > best.distance) break;
+    // What lies in ring r is at least r - 1 cells away.
+    if (static_cast<double>(std::max<Coord>(r - 1, 0)) * static_cast<double>(cell_) > best.distance) break;
     for (Coord x = cx - r; x <= cx + r; ++x) {
       look(x, cy - r);
       if (r > 0) look(x, cy + r);
@@ -83,20 +93,13 @@ LineIndex::Hit LineIndex::nearest(const Point& p, double limit) const {
 }
 
 bool LineIndex::reaches(const Point& p, double distance) const {
-  auto found = [&](Coord x, Coord y) {
-    if (x < 0 || y < 0 || x >= columns_ || y >= rows_) return false;
-    const auto& cell = cells_[static_cast<std::size_t>(y * columns_ + x)];
-    return std::any_of(cell.begin(), cell.end(), [&](std::uint32_t id) {
-      return geom::distance(p, nearest_on_line(p, lines_[id].a, lines_[id].b)) <= distance;
-    });
-  };
-  const Coord cx = column(p.x), cy = row(p.y);
-  if (found(cx, cy)) return true;
-  // A line may be filed one cell beside its place.
-  const Coord reach = static_cast<Coord>(distance) / cell_ + 2;
-  for (Coord y = cy - reach; y <= cy + reach; ++y)
-    for (Coord x = cx - reach; x <= cx + reach; ++x)
-      if ((x != cx || y != cy) && found(x, y)) return true;
+  const auto reach = static_cast<Coord>(std::ceil(distance));
+  const double limit = distance * distance;
+  const Coord right = column(p.x + reach), top = row(p.y + reach);
+  for (Coord y = row(p.y - reach); y <= top; ++y)
+    for (Coord x = column(p.x - reach); x <= right; ++x)
+      for (const std::uint32_t id : cells_[static_cast<std::size_t>(y * columns_ + x)])
+        if (squared_distance(p, lines_[id].a, lines_[id].b) <= limit) return true;
   return false;
 }
 
