@@ -1,5 +1,5 @@
 #include "engine/mesh/import.h"
-#include "tests/fidelity/slicing.h"
+#include "tests/fidelity/survey.h"
 #include "tests/support/meshes.h"
 #include "tests/support/real_models.h"
 
@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <memory>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -125,18 +126,50 @@ TEST_CASE("real parts are printed as they are", "[corpus]") {
   }
 }
 
+TEST_CASE("a survey tells what is beyond its bounds, and by how much at worst") {
+  const auto shape = std::make_shared<const mesh::TriangleMesh>(test::table(12, 9, 4, 2, 2));
+  const auto strict = [](const Rules& rules) {
+    Bounds b = bounds_for(rules);
+    b.support_span = -1;
+    return b;
+  };
+  const std::vector<Case> cases = {{"table", "", shape, {}},
+                                   {"bad", "", shape, {}, strict},
+                                   {"bad", "rough", shape, {{"slice.layer_height_mm", "0.3"}}, strict},
+                                   {"none", "", std::make_shared<const mesh::TriangleMesh>(), {}}};
+  std::ostringstream out;
+  const std::vector<Verdict> verdicts = survey(cases, out);
+  REQUIRE(verdicts.size() == cases.size());
+  CHECK(verdicts[0].beyond.empty());
+  REQUIRE(verdicts[1].beyond.size() == 1);
+  CHECK(verdicts[1].beyond[0].name == "support span");
+  CHECK(verdicts[2].way == "rough");
+  CHECK(verdicts[3].beyond.size() == 1);  // nothing to slice
+  CHECK(out.str().find("bad, rough: ") != std::string::npos);
+
+  const std::string text = summary({{"a", "", {}},
+                                    {"a", "solid", {}},
+                                    {"b", "", {{"loose", 0.8, 0.5, "layer 3"}}},
+                                    {"b", "solid", {{"loose", 1.2, 0.5, "layer 7"}, {"odd line", 0, 0, ""}}},
+                                    {"c", "", {{"outside", 0.2, 0.125, "layer 1"}}}});
+  CHECK(text ==
+        "1 of 3 parts within bounds (2 of 5 prints)\n"
+        "  b: solid: loose 1.2 of 0.5 layer 7; solid: odd line\n"
+        "  c: outside 0.2 of 0.125 layer 1\n");
+}
+
 TEST_CASE("every real part, printed sparse and solid", "[.every]") {
   const std::string shared = test::shared_dir();
   REQUIRE(!shared.empty());
   const char* only = std::getenv("VOIDPATH_ONLY");  // part of a name; empty: all
-  const auto models = test::real_models(fs::path(shared) / "models", only != nullptr ? only : "");
-  for (const test::RealModel& model : models)
-    for (const Set& set : {Set{}, Set{{"slice.infill_density", "1"}}}) {
-      const std::string name = model.file.filename().string() + (set.empty() ? "" : ", solid");
-      const Sliced part = sliced(imported(model), options_for(set));
-      const Findings f = checked(part);
-      std::cout << told(name, f) << std::flush;
-      INFO(told(name, f));
-      CHECK(beyond_bounds(f, bounds_for(part.rules)) == std::vector<std::string>{});
-    }
+  std::vector<Case> cases;
+  for (const auto& model : test::real_models(fs::path(shared) / "models", only != nullptr ? only : "")) {
+    const auto mesh = std::make_shared<const mesh::TriangleMesh>(imported(model));
+    const std::string name = model.file.filename().string();
+    cases.push_back({name, "", mesh, {}});
+    cases.push_back({name, "solid", mesh, {{"slice.infill_density", "1"}}});
+  }
+  const std::vector<Verdict> verdicts = survey(cases, std::cout);
+  CHECK(all_within(verdicts));
+  std::cout << summary(verdicts) << std::flush;
 }

@@ -1,11 +1,13 @@
 #include "tests/fidelity/modes.h"
 
 #include "tests/fidelity/shapes.h"
+#include "tests/fidelity/survey.h"
 
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <memory>
 #include <sstream>
 #include <stdexcept>
 
@@ -145,23 +147,23 @@ TEST_CASE("real parts, sliced in every way", "[.every]") {
   REQUIRE(!shared.empty());
   const char* only = std::getenv("VOIDPATH_ONLY");  // part of a name; empty: all
   const char* one_mode = std::getenv("VOIDPATH_MODE");
+  std::vector<Case> cases;
   // Small ones: each is looked at some twenty times.
   for (const char* name :
        {"mendel90__z_coupling.stl", "calibration-shapes__HollowCalibrationCube.stl", "superslicer__A.obj",
         "3d-printing__Ritzel.stl", "numpy-stl__bwb.stl", "original-prusa-i3__fan-shroud.stl",
         "rpg-scad__gnome.stl", "calibration-shapes__SupportTest.stl", "dotscad_drilled_cube.stl"}) {
     if (only != nullptr && std::string(name).find(only) == std::string::npos) continue;
-    const mesh::TriangleMesh mesh = imported(test::real_model(fs::path(shared) / "models" / name));
+    const auto mesh = std::make_shared<const mesh::TriangleMesh>(
+        imported(test::real_model(fs::path(shared) / "models" / name)));
     for (const Mode& m : modes()) {
       if (one_mode != nullptr && m.name.find(one_mode) == std::string::npos) continue;
-      const Sliced part = sliced(mesh, options_for(m.set));
-      const Findings f = checked(part);
-      const Names beyond = beyond_bounds(f, m.bounds(part.rules));
-      std::cout << told(std::string(name) + ", " + m.name, f);
-      for (const std::string& b : beyond) std::cout << "  BEYOND " << b << "\n";
-      std::cout << std::flush;
-      INFO(told(std::string(name) + ", " + m.name, f));
-      CHECK(beyond == Names{});
+      // Each way is a line of its own in the summary.
+      cases.push_back({std::string(name) + ", " + m.name, "", mesh, m.set,
+                       [&m](const Rules& rules) { return m.bounds(rules); }});
     }
   }
+  const std::vector<Verdict> verdicts = survey(cases, std::cout);
+  CHECK(all_within(verdicts));
+  std::cout << summary(verdicts) << std::flush;
 }

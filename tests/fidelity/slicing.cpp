@@ -108,24 +108,31 @@ Bounds bounds_for(const Rules& rules) {
   return b;
 }
 
-std::vector<std::string> beyond_bounds(const Findings& f, const Bounds& bounds) {
-  std::vector<std::string> out = f.complaints;
-  const auto within = [&](const char* name, double value, double limit) {
-    if (!(value <= limit)) out.emplace_back(name);
+std::vector<Excess> excesses(const Findings& f, const Bounds& bounds) {
+  std::vector<Excess> out;
+  for (const std::string& complaint : f.complaints) out.push_back({complaint, 0, 0, ""});
+  const auto within = [&](const char* name, const Worst& found, double limit) {
+    if (!(found.value <= limit)) out.push_back({name, found.value, limit, found.where});
   };
-  within("outside", f.outside.value, outside_limit(f));
-  within("uncovered", f.uncovered.value, 1);
-  within("top hole", f.top_hole.value, hole_limit(f));
-  within("bottom hole", f.bottom_hole.value, std::max(hole_limit(f), bounds.bottom_hole));
+  within("outside", f.outside, outside_limit(f));
+  within("uncovered", f.uncovered, 1);
+  within("top hole", f.top_hole, hole_limit(f));
+  within("bottom hole", f.bottom_hole, std::max(hole_limit(f), bounds.bottom_hole));
   if (bounds.held) {
-    within("loose", f.loose.value, kTip);
-    within("unannounced", f.unannounced.value, kTip);
+    within("loose", f.loose, kTip);
+    within("unannounced", f.unannounced, kTip);
   }
-  within("support loose", f.support_loose.value, kTip);
-  within("support span", f.support_span.value, bounds.support_span);
-  within("wall gap", f.wall_gap.value, outside_limit(f));
-  within("brim inside", f.brim_inside.value, outside_limit(f));
-  within("volume", std::abs(f.volume_ratio - 1), kVolumeError);
+  within("support loose", f.support_loose, kTip);
+  within("support span", f.support_span, bounds.support_span);
+  within("wall gap", f.wall_gap, outside_limit(f));
+  within("brim inside", f.brim_inside, outside_limit(f));
+  within("volume", {std::abs(f.volume_ratio - 1), ""}, kVolumeError);
+  return out;
+}
+
+std::vector<std::string> beyond_bounds(const Findings& f, const Bounds& bounds) {
+  std::vector<std::string> out;
+  for (Excess& e : excesses(f, bounds)) out.push_back(std::move(e.name));
   return out;
 }
 

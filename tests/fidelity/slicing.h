@@ -52,7 +52,14 @@ struct Bounds {
 };
 Bounds bounds_for(const Rules& rules);
 
-/// The names of the findings that are beyond what is allowed.
+/// A finding beyond what is allowed, or a complaint of reading, which has no figures.
+struct Excess {
+  std::string name;
+  double value = 0, limit = 0;
+  std::string where;
+};
+std::vector<Excess> excesses(const Findings& f, const Bounds& bounds);
+/// Their names.
 std::vector<std::string> beyond_bounds(const Findings& f, const Bounds& bounds);
 /// All of them, to be read.
 std::string told(const std::string& name, const Findings& f);
