@@ -19,4 +19,10 @@ void parallel_for_workers(const Context& ctx, std::size_t count,
                           const std::function<void(std::size_t index, unsigned worker)>& body,
                           std::size_t grain = 1);
 
+/// Work of which every step needs the one before, and more work that only waits for its own step: link(i) in
+/// order, from the calling thread; body(i) once for every i after link(i), from up to ctx.thread_count()
+/// threads, in any order. Exceptions and Stopped as above.
+void parallel_after(const Context& ctx, std::size_t count, const std::function<void(std::size_t)>& link,
+                    const std::function<void(std::size_t)>& body);
+
 }  // namespace voidpath::run

@@ -132,33 +132,11 @@ Regions begun(const Regions& borders, const Regions& below, const SliceSettings&
   return geom::remove_small(geom::open(fresh, from_mm(0.25 * s.line_width_mm)), kMinFloorMm2 * kMm2);
 }
 
-/// What of a layer's column gets lines along its border.
-struct Borders {
-  Regions narrow;        ///< all around
-  geom::Polylines caps;  ///< beside the last line
-  Regions all;           ///< and where those are
-
-  void add(const geom::Region& domain, const Lines& lines, double line_mm) {
-    Regions parts = narrow_parts(domain, lines.apart / geom::kNmPerMm, line_mm);
-    for (geom::Polyline& cap : caps_of(domain, lines))
-      if (parts.empty() || length_of(geom::clip_inside({cap}, parts)) <= kAlreadyBordered * geom::length(cap))
-        caps.push_back(std::move(cap));
-    append(narrow, quick_intersect(parts, {domain}));
-  }
-
-  void close(double line_mm) {
-    geom::Polylines plain;
-    for (const geom::Polyline& cap : caps) plain.push_back(geom::simplify(cap, from_mm(kBorderToleranceMm)));
-    all = quick_unite(bead_area(plain, line_mm * geom::kNmPerMm), narrow);
-  }
-
- private:
-  static double length_of(const geom::Polylines& lines) {
-    double sum = 0;
-    for (const geom::Polyline& line : lines) sum += geom::length(line);
-    return sum;
-  }
-};
+double length_of(const geom::Polylines& lines) {
+  double sum = 0;
+  for (const geom::Polyline& line : lines) sum += geom::length(line);
+  return sum;
+}
 
 std::size_t field_of(const SupportLattice& lattice, const geom::Point& p) {
   std::size_t f = 0;
@@ -184,9 +162,23 @@ Costs costs_of(const Regions& column, const SupportLattice& lattice, double apar
   return out;
 }
 
-std::shared_ptr<const SupportLattice> best_lattice(const std::vector<Regions>& columns,
-                                                   const std::vector<Regions>& contact, double apart,
-                                                   const SliceSettings& s, const run::Context& ctx) {
+}  // namespace
+
+double support_line_distance_mm(const SliceSettings& settings, double density) {
+  return line_spacing_mm(settings) / std::clamp(density, 0.01, 1.0);
+}
+
+geom::Coord SupportLattice::shift_at(const geom::Point& p) const {
+  const std::size_t f = field_of(*this, p);
+  return f < fields.size() ? fields[f].shift : 0;
+}
+
+std::shared_ptr<const SupportLattice> choose_lattice(const std::vector<Regions>& columns,
+                                                     const std::vector<Regions>& contact,
+                                                     const SliceSettings& s, const run::Context& ctx) {
+  const double apart_mm = support_line_distance_mm(s, s.support_density);
+  if (s.support_density <= 0 || apart_mm <= kSparseSpacings * line_spacing_mm(s)) return nullptr;
+  const double apart = apart_mm * geom::kNmPerMm;
   auto out = std::make_shared<SupportLattice>();
   geom::Rings rings;
   for (const Regions& c : contact)
@@ -213,36 +205,31 @@ std::shared_ptr<const SupportLattice> best_lattice(const std::vector<Regions>& c
   return out;
 }
 
-}  // namespace
-
-double support_line_distance_mm(const SliceSettings& settings, double density) {
-  return line_spacing_mm(settings) / std::clamp(density, 0.01, 1.0);
+ColumnBorders find_borders(const Regions& column, const SupportLattice& lattice, double line_width_mm,
+                           const SliceSettings& s) {
+  const double apart_mm = support_line_distance_mm(s, s.support_density), line_mm = line_spacing_mm(s);
+  ColumnBorders out;
+  for (const auto& domain : geom::offset(column, -from_mm(0.5 * line_width_mm))) {
+    const Lines lines{apart_mm * geom::kNmPerMm, static_cast<double>(lattice.shift_at(domain.outer.front()))};
+    Regions parts = narrow_parts(domain, apart_mm, line_mm);
+    for (geom::Polyline& cap : caps_of(domain, lines))
+      if (parts.empty() || length_of(geom::clip_inside({cap}, parts)) <= kAlreadyBordered * geom::length(cap))
+        out.caps.push_back(std::move(cap));
+    append(out.narrow, quick_intersect(parts, {domain}));
+  }
+  geom::Polylines plain;
+  for (const geom::Polyline& cap : out.caps)
+    plain.push_back(geom::simplify(cap, from_mm(kBorderToleranceMm)));
+  out.all = quick_unite(bead_area(plain, line_mm * geom::kNmPerMm), out.narrow);
+  return out;
 }
 
-geom::Coord SupportLattice::shift_at(const geom::Point& p) const {
-  const std::size_t f = field_of(*this, p);
-  return f < fields.size() ? fields[f].shift : 0;
-}
-
-void border_narrow_columns(std::vector<SupportAreas>& areas, const std::vector<Regions>& columns,
-                           const std::vector<Regions>& contact, const SliceSettings& s,
-                           const run::Context& ctx) {
-  const double apart = support_line_distance_mm(s, s.support_density);
-  if (s.support_density <= 0 || apart <= kSparseSpacings * line_spacing_mm(s)) return;
+void border_columns(std::vector<SupportAreas>& areas, const std::vector<Regions>& columns,
+                    const std::vector<ColumnBorders>& borders,
+                    const std::shared_ptr<const SupportLattice>& lattice, const SliceSettings& s,
+                    const run::Context& ctx) {
   const std::size_t n = columns.size();
-  const double apart_nm = apart * geom::kNmPerMm;
-  const auto lattice = best_lattice(columns, contact, apart_nm, s, ctx);
-  std::vector<Borders> borders(n);
-  run::parallel_for(ctx, n, [&](std::size_t i) {
-    if (i > 0 && columns[i] == columns[i - 1]) return;
-    const double width = i == 0 ? s.first_layer_line_width_mm : s.line_width_mm;
-    for (const auto& domain : geom::offset(columns[i], -from_mm(0.5 * width)))
-      borders[i].add(domain, {apart_nm, static_cast<double>(lattice->shift_at(domain.outer.front()))},
-                     line_spacing_mm(s));
-    borders[i].close(line_spacing_mm(s));
-  });
-  for (std::size_t i = 1; i < n; ++i)
-    if (columns[i] == columns[i - 1]) borders[i] = borders[i - 1];
+  const double apart = support_line_distance_mm(s, s.support_density);
   run::parallel_for(ctx, n, [&](std::size_t i) {
     SupportAreas& own = areas[i];
     own.lattice = lattice;

@@ -6,6 +6,7 @@
 #include "engine/toolpath/settings.h"
 #include "engine/toolpath/supports.h"
 
+#include <memory>
 #include <vector>
 
 namespace voidpath::toolpath {
@@ -26,13 +27,28 @@ struct SupportLattice {
   geom::Coord shift_at(const geom::Point& p) const;
 };
 
-/// Where columns are so narrow that sparse lines may miss them, their border is printed, and where they go on
-/// beyond the last line: sets `bordered` and `caps`.
-/// Where that begins above wider column, a border would hang between the lines below: there that layer gets
-/// dense lines across, `floor`. Sets `lattice` as well. `columns`: all of each layer's column, dense parts
-/// included; they stand below `contact`.
-void border_narrow_columns(std::vector<SupportAreas>& areas, const std::vector<geom::Regions>& columns,
-                           const std::vector<geom::Regions>& contact, const SliceSettings& settings,
-                           const run::Context& ctx);
+/// For columns of each layer below these contacts; where sparse lines lie so near to one another that they
+/// miss nothing, or there are none: null.
+std::shared_ptr<const SupportLattice> choose_lattice(const std::vector<geom::Regions>& columns,
+                                                     const std::vector<geom::Regions>& contact,
+                                                     const SliceSettings& settings, const run::Context& ctx);
+
+/// What of a layer's column gets lines along its border.
+struct ColumnBorders {
+  geom::Regions narrow;  ///< so narrow that sparse lines may miss it: all around
+  geom::Polylines caps;  ///< where the column goes on beyond the last line
+  geom::Regions all;     ///< the area of all those borders
+};
+
+/// `column`: all of it, dense parts included.
+ColumnBorders find_borders(const geom::Regions& column, const SupportLattice& lattice, double line_width_mm,
+                           const SliceSettings& settings);
+
+/// Sets `bordered`, `caps` and `lattice` of the areas. Where a border begins above wider column, it would
+/// hang between the lines below: there that layer gets dense lines across, `floor`.
+void border_columns(std::vector<SupportAreas>& areas, const std::vector<geom::Regions>& columns,
+                    const std::vector<ColumnBorders>& borders,
+                    const std::shared_ptr<const SupportLattice>& lattice, const SliceSettings& settings,
+                    const run::Context& ctx);
 
 }  // namespace voidpath::toolpath

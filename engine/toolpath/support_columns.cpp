@@ -72,34 +72,6 @@ struct Stand {
   }
 };
 
-/// From the plate up, each column without what nothing below carries: beside a part, room begins above it
-/// that had none below.
-void drop_unheld(std::vector<Regions>& columns, const slice::LayerStack& stack, const SliceSettings& s,
-                 const run::Context& ctx) {
-  const double slope = std::tan(std::clamp(s.support_angle_deg, 0.0, kMostLeanDeg) * std::numbers::pi / 180);
-  const auto stand_of = [&](std::size_t i) {
-    const std::size_t bearer = layer_below_gap(stack, i, s.support_z_gap_mm);
-    return Stand{columns[i], columns[i - 1], bearer < stack.size() ? &stack[bearer].regions : nullptr,
-                 from_mm(std::max(slope * stack[i].span.height_mm(), kCarriedShare * s.line_width_mm))};
-  };
-  // Above what stays as it is, the answer is known at once.
-  std::vector<char> carried(columns.size(), 1);
-  run::parallel_for(ctx, columns.size(), [&](std::size_t i) {
-    if (i > 0) carried[i] = stand_of(i).carries_all() ? 1 : 0;
-  });
-  bool below_changed = false;
-  for (std::size_t i = 1; i < columns.size(); ++i) {
-    ctx.check();
-    const Stand stand = stand_of(i);
-    const bool whole = below_changed ? stand.carries_all() : carried[i] != 0;
-    below_changed = false;
-    if (whole) continue;
-    Regions held = stand.held(s);
-    below_changed = held != columns[i];
-    columns[i] = std::move(held);
-  }
-}
-
 /// For support from the plate alone: the contacts, without what has the part or its gaps below.
 std::vector<Regions> above_plate(const SupportTask& task, const run::Context& ctx) {
   std::vector<Regions> out = task.contact;
@@ -112,33 +84,98 @@ std::vector<Regions> above_plate(const SupportTask& task, const run::Context& ct
   return out;
 }
 
+class Builder {
+ public:
+  Builder(const slice::LayerStack& stack, const SupportTask& task, const SliceSettings& s,
+          const run::Context& ctx)
+      : stack_(stack),
+        task_(task),
+        settings_(s),
+        ctx_(ctx),
+        slope_(std::tan(std::clamp(s.support_angle_deg, 0.0, kMostLeanDeg) * std::numbers::pi / 180)),
+        contact_(s.support == SupportMode::plate ? above_plate(task, ctx) : task.contact),
+        columns_(contact_.size()),
+        carried_(contact_.size(), 1) {}
+
+  std::vector<SupportAreas> run() {
+    const std::size_t n = columns_.size();
+    grow_down();
+    const auto lattice = choose_lattice(columns_, contact_, settings_, ctx_);
+    std::vector<SupportAreas> out(n);
+    std::vector<ColumnBorders> borders(n);
+    bool below_changed = false;
+    run::parallel_after(
+        ctx_, n, [&](std::size_t i) { below_changed = drop_unheld(i, below_changed); },
+        [&](std::size_t i) {
+          out[i].sparse = columns_[i];
+          split_interface(contact_, i, out[i], settings_);
+          if (lattice == nullptr || (i > 0 && columns_[i] == columns_[i - 1])) return;
+          const double width = i == 0 ? settings_.first_layer_line_width_mm : settings_.line_width_mm;
+          borders[i] = find_borders(columns_[i], *lattice, width, settings_);
+        });
+    if (lattice == nullptr) return out;
+    for (std::size_t i = 1; i < n; ++i)
+      if (columns_[i] == columns_[i - 1]) borders[i] = borders[i - 1];
+    border_columns(out, columns_, borders, lattice, settings_, ctx_);
+    return out;
+  }
+
+ private:
+  /// From the top down: every column with what it gathers. What is carried as long as nothing below changes
+  /// is found meanwhile.
+  void grow_down() {
+    const std::size_t n = columns_.size();
+    Regions column;
+    run::parallel_after(
+        ctx_, n,
+        [&](std::size_t step) {
+          const std::size_t i = n - 1 - step;
+          const Regions& fresh = contact_[i];
+          const Regions above = column;
+          column = quick_unite(column, fresh);
+          if (column.empty()) return;
+          const bool as_above = fresh.empty() && step > 0 && task_.forbidden[i] == task_.forbidden[i + 1];
+          if (!as_above) column = stand(column, above, task_.forbidden[i], settings_);
+          columns_[i] = column;
+        },
+        [&](std::size_t step) {
+          if (step > 0) carried_[n - step] = stand_of(n - step).carries_all() ? 1 : 0;
+        });
+  }
+
+  Stand stand_of(std::size_t i) const {
+    const std::size_t bearer = layer_below_gap(stack_, i, settings_.support_z_gap_mm);
+    return {columns_[i], columns_[i - 1], bearer < stack_.size() ? &stack_[bearer].regions : nullptr,
+            from_mm(std::max(slope_ * stack_[i].span.height_mm(), kCarriedShare * settings_.line_width_mm))};
+  }
+
+  /// From the plate up: the column without what nothing below carries; beside a part, room begins above it
+  /// that had none below. Whether that was any.
+  bool drop_unheld(std::size_t i, bool below_changed) {
+    if (i == 0) return false;
+    const Stand stand = stand_of(i);
+    if (below_changed ? stand.carries_all() : carried_[i] != 0) return false;
+    Regions held = stand.held(settings_);
+    const bool changed = held != columns_[i];
+    columns_[i] = std::move(held);
+    return changed;
+  }
+
+  const slice::LayerStack& stack_;
+  const SupportTask& task_;
+  const SliceSettings& settings_;
+  const run::Context& ctx_;
+  double slope_;
+  std::vector<Regions> contact_;
+  std::vector<Regions> columns_;
+  std::vector<char> carried_;  ///< by the column below as it was grown
+};
+
 }  // namespace
 
 std::vector<SupportAreas> support_columns(const slice::LayerStack& stack, const SupportTask& task,
                                           const SliceSettings& settings, const run::Context& ctx) {
-  const std::size_t n = task.contact.size();
-  std::vector<SupportAreas> out(n);
-  const std::vector<Regions> contact =
-      settings.support == SupportMode::plate ? above_plate(task, ctx) : task.contact;
-  std::vector<Regions> columns(n);
-  Regions column;
-  for (std::size_t i = n; i-- > 0;) {
-    ctx.check();
-    const Regions& fresh = contact[i];
-    const Regions above = column;
-    column = quick_unite(column, fresh);
-    if (column.empty()) continue;
-    const bool as_above = fresh.empty() && i + 1 < n && task.forbidden[i] == task.forbidden[i + 1];
-    if (!as_above) column = stand(column, above, task.forbidden[i], settings);
-    columns[i] = column;
-  }
-  drop_unheld(columns, stack, settings, ctx);
-  run::parallel_for(ctx, n, [&](std::size_t i) {
-    out[i].sparse = columns[i];
-    split_interface(contact, i, out[i], settings);
-  });
-  border_narrow_columns(out, columns, contact, settings, ctx);
-  return out;
+  return Builder(stack, task, settings, ctx).run();
 }
 
 }  // namespace voidpath::toolpath

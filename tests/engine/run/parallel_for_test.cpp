@@ -80,6 +80,54 @@ TEST_CASE("work whose time is over ends as Stopped, though nobody asked it to st
   }
 }
 
+TEST_CASE("what follows a chain sees its own link done, and every link the one before") {
+  for (const unsigned threads : {1u, 2u, 3u, 8u})
+    for (const std::size_t count : {0u, 1u, 7u, 1000u}) {
+      Context ctx;
+      ctx.threads = threads;
+      std::size_t sum = 0;  // by the chain alone, from one thread
+      std::vector<std::size_t> links(count), found(count);
+      parallel_after(
+          ctx, count, [&](std::size_t i) { links[i] = sum += i + 1; },
+          [&](std::size_t i) { found[i] += links[i]; });
+      for (std::size_t i = 0; i < count; ++i) REQUIRE(found[i] == (i + 1) * (i + 2) / 2);
+    }
+}
+
+TEST_CASE("an exception in a chain, or in what follows it, ends both and comes out here") {
+  for (const unsigned threads : {1u, 2u, 4u})
+    for (const bool in_chain : {true, false}) {
+      Context ctx;
+      ctx.threads = threads;
+      std::atomic<int> calls{0};
+      const auto fail = [&](bool now) {
+        ++calls;
+        if (now) throw std::out_of_range("five");
+      };
+      CHECK_THROWS_AS(parallel_after(
+                          ctx, 100'000, [&](std::size_t i) { fail(in_chain && i == 5); },
+                          [&](std::size_t i) { fail(!in_chain && i == 5); }),
+                      std::out_of_range);
+      CHECK(calls < 200'000);
+    }
+}
+
+TEST_CASE("a stop request ends a chain and what follows it as Stopped") {
+  for (const unsigned threads : {1u, 4u}) {
+    std::stop_source source;
+    Context ctx;
+    ctx.stop = source.get_token();
+    ctx.threads = threads;
+    std::atomic<int> links{0};
+    const auto link = [&](std::size_t i) {
+      ++links;
+      if (i == 10) source.request_stop();
+    };
+    CHECK_THROWS_AS(parallel_after(ctx, 100'000, link, [](std::size_t) {}), Stopped);
+    CHECK(links == 11);
+  }
+}
+
 TEST_CASE("the context has at least one thread and passes progress on") {
   Context ctx;
   CHECK(ctx.thread_count() >= 1);
