@@ -164,7 +164,7 @@ SampledPlan build_samples(const slice::LayerStack& cuts, const std::vector<Layer
   ctx.progress("toolpaths", 0.9);
 
   plan.layers.resize(below + n);
-  Sequencer sequencer(part);
+  Sequencer sequencer(part, ctx);
   for (std::size_t k = 0; k < below + n; ++k) {
     ctx.check();
     LayerPlan& layer = plan.layers[k];

@@ -1,5 +1,6 @@
 #include "engine/toolpath/sequence.h"
 
+#include "engine/run/parallel_for.h"
 #include "engine/toolpath/order.h"
 
 #include <algorithm>
@@ -13,6 +14,8 @@ using geom::Point;
 
 /// Layers of more islands than this are ordered in one way only.
 constexpr std::size_t kMaxTried = 60;
+/// Layers of so few islands and lines of support are ordered sooner than a thread starts.
+constexpr std::size_t kQuicklyOrdered = 30;
 
 const Point& end_of(const Path& path) { return path.closed ? path.points.front() : path.points.back(); }
 
@@ -44,7 +47,8 @@ double travel_of(const std::vector<Path>& paths, Point at) {
 
 }  // namespace
 
-Sequencer::Sequencer(const PrintSettings& settings) : settings_(settings), seams_(settings.slice.seam) {
+Sequencer::Sequencer(const PrintSettings& settings, const run::Context& ctx)
+    : settings_(settings), ctx_(&ctx), seams_(settings.slice.seam) {
   // A print begins at the bed's front left corner, where start G-code tends to prime.
   if (settings.machine.origin_at_centre)
     at_ = {-geom::from_mm(settings.machine.bed_mm[0] / 2), -geom::from_mm(settings.machine.bed_mm[1] / 2)};
@@ -126,8 +130,20 @@ std::vector<Path> Sequencer::order(LayerDraft&& draft, const BeadSize& bead) {
     return order_islands(std::move(draft), bead, false);
   const Point from = at_;
   Sequencer other(*this);
-  std::vector<Path> by_loops = other.order_islands(LayerDraft(draft), bead, true);
-  std::vector<Path> by_middles = order_islands(std::move(draft), bead, false);
+  LayerDraft copy(draft);
+  std::vector<Path> by_loops, by_middles;
+  const auto one = [&](std::size_t way) {
+    if (way == 0)
+      by_middles = order_islands(std::move(draft), bead, false);
+    else
+      by_loops = other.order_islands(std::move(copy), bead, true);
+  };
+  if (draft.islands.size() + draft.support.size() > kQuicklyOrdered) {
+    run::parallel_for(*ctx_, 2, one);
+  } else {
+    one(0);
+    one(1);
+  }
   if (travel_of(by_loops, from) >= travel_of(by_middles, from)) return by_middles;
   seams_ = std::move(other.seams_);
   at_ = other.at_;

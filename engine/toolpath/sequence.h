@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/run/context.h"
 #include "engine/toolpath/draft.h"
 #include "engine/toolpath/order.h"
 #include "engine/toolpath/plan.h"
@@ -15,7 +16,7 @@ namespace voidpath::toolpath {
 /// kept.
 class Sequencer {
  public:
-  explicit Sequencer(const PrintSettings& settings);
+  Sequencer(const PrintSettings& settings, const run::Context& ctx);
 
   std::vector<Path> order(LayerDraft&& draft, const BeadSize& bead);
 
@@ -29,6 +30,7 @@ class Sequencer {
   void print_wall(Wall&& wall, const BeadSize& bead);
 
   const PrintSettings& settings_;
+  const run::Context* ctx_;
   SeamChooser seams_;
   geom::Point at_;
   std::vector<Path> out_;
