@@ -10,8 +10,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <unordered_set>
 #include <utility>
 
@@ -66,8 +68,12 @@ Polyline whole_line(const Path& path) {
   return out;
 }
 
+geom::Box box_of(const Point& a, const Point& b) {
+  return {{std::min(a.x, b.x), std::min(a.y, b.y)}, {std::max(a.x, b.x), std::max(a.y, b.y)}};
+}
+
 template <class Visit>
-void each_segment(const std::vector<Path>& paths, Visit&& visit) {
+void each_segment(std::span<const Path> paths, Visit&& visit) {
   for (const Path& p : paths) {
     for (std::size_t k = 1; k < p.points.size(); ++k) visit(p.points[k - 1], p.points[k]);
     if (p.closed && p.points.size() > 1) visit(p.points.back(), p.points.front());
@@ -86,8 +92,7 @@ class Carrier {
         index_(grown(box, from_mm(apart_mm)), from_mm(1.0)) {
     const geom::Box near = grown(box, from_mm(apart_mm));
     each_segment(below, [&](const Point& a, const Point& b) {
-      const geom::Box own{{std::min(a.x, b.x), std::min(a.y, b.y)}, {std::max(a.x, b.x), std::max(a.y, b.y)}};
-      if (overlap(own, near)) index_.add(a, b);
+      if (overlap(box_of(a, b), near)) index_.add(a, b);
     });
     if (part == nullptr) return;
     geom::Regions rest = quick_intersect(*part, {{geom::make_rectangle(near.min, near.max), {}}});
@@ -180,6 +185,36 @@ std::vector<Polyline> held_pieces(std::vector<Stretch>&& stretches, bool closed,
   return out;
 }
 
+/// Of each line of a layer, what is left; nothing where it is left as it is.
+using Cuts = std::vector<std::optional<std::vector<Path>>>;
+
+/// Where lines of a layer were cut.
+class Boxes {
+ public:
+  Boxes(const std::vector<Path>& lines, const Cuts& cuts) {
+    for (std::size_t k = 0; k < lines.size(); ++k)
+      if (cuts[k]) boxes_.push_back(*geom::bounds(lines[k].points));
+  }
+  bool empty() const { return boxes_.empty(); }
+  bool touch(const geom::Box& box) const {
+    return std::any_of(boxes_.begin(), boxes_.end(), [&](const geom::Box& b) { return overlap(b, box); });
+  }
+
+ private:
+  std::vector<geom::Box> boxes_;
+};
+
+std::vector<Path> cut(std::vector<Path>&& lines, Cuts&& cuts) {
+  std::vector<Path> out;
+  out.reserve(lines.size());
+  for (std::size_t k = 0; k < lines.size(); ++k)
+    if (cuts[k])
+      std::move(cuts[k]->begin(), cuts[k]->end(), std::back_inserter(out));
+    else
+      out.push_back(std::move(lines[k]));
+  return out;
+}
+
 class Trimmer {
  public:
   Trimmer(const slice::LayerStack& stack, const SliceSettings& s)
@@ -188,37 +223,33 @@ class Trimmer {
         apart_mm_(support_line_distance_mm(s, s.support_density)),
         slope_(std::tan(std::clamp(s.support_angle_deg, 0.0, kMostLeanDeg) * std::numbers::pi / 180)) {}
 
-  /// What is carried of the lines of layer i; nothing when all of them are.
-  std::optional<std::vector<Path>> trimmed(const std::vector<Path>& own, const std::vector<Path>& below,
-                                           std::size_t i) const {
-    if (own.empty()) return std::nullopt;
-    std::unordered_set<Segment, SegmentHash> same;
-    each_segment(below, [&](const Point& a, const Point& b) { same.insert(segment(a, b)); });
-    std::vector<bool> new_here(own.size(), false);
+  /// Looks at the lines of layer i that lie in `where`, or at all.
+  void trim(const std::vector<Path>& own, const std::vector<Path>& below, std::size_t i, const Boxes* where,
+            Cuts& cuts) const {
+    std::vector<char> in_question(own.size(), 1);
     std::optional<geom::Box> box;
     for (std::size_t k = 0; k < own.size(); ++k) {
-      const Polyline line = whole_line(own[k]);
-      for (std::size_t j = 1; j < line.size() && !new_here[k]; ++j)
-        new_here[k] = !same.contains(segment(line[j - 1], line[j]));
-      const auto b = new_here[k] ? geom::bounds(line) : std::nullopt;
-      if (b) box = box ? joined(*box, *b) : *b;
+      const auto b = geom::bounds(own[k].points);
+      in_question[k] = b && (where == nullptr || where->touch(grown(*b, from_mm(apart_mm_))));
+      if (in_question[k]) box = box ? joined(*box, *b) : *b;
     }
-    if (!box) return std::nullopt;
+    if (!box) return;
+    find_new(own, below, *box, in_question);
+    box.reset();
+    for (std::size_t k = 0; k < own.size(); ++k)
+      if (in_question[k]) {
+        cuts[k].reset();
+        const auto b = geom::bounds(own[k].points);
+        box = box ? joined(*box, *b) : *b;
+      }
+    if (!box) return;
     const std::size_t bearer = layer_below_gap(stack_, i, settings_.support_z_gap_mm);
     const double lean =
         std::max(slope_ * stack_[i].span.height_mm(), kCarriedShare * settings_.line_width_mm) + kLineErrorMm;
     const Carrier carrier(below, bearer < stack_.size() ? &stack_[bearer].regions : nullptr,
                           lean + 0.5 * settings_.line_width_mm, apart_mm_, *box);
-    std::vector<Path> out;
-    out.reserve(own.size());
-    bool all = true;
     for (std::size_t k = 0; k < own.size(); ++k)
-      if (new_here[k])
-        all &= trim(own[k], carrier, out);
-      else
-        out.push_back(own[k]);
-    if (all) return std::nullopt;
-    return out;
+      if (in_question[k]) cuts[k] = carried(own[k], carrier);
   }
 
  private:
@@ -227,16 +258,30 @@ class Trimmer {
             {std::max(a.max.x, b.max.x), std::max(a.max.y, b.max.y)}};
   }
 
-  /// Whether the path is left as it is.
-  bool trim(const Path& path, const Carrier& carrier, std::vector<Path>& out) const {
+  /// Of the lines in question, those that do not lie on a line like them.
+  static void find_new(const std::vector<Path>& own, const std::vector<Path>& below, const geom::Box& box,
+                       std::vector<char>& in_question) {
+    std::unordered_set<Segment, SegmentHash> same;
+    each_segment(below, [&](const Point& a, const Point& b) {
+      if (overlap(box_of(a, b), box)) same.insert(segment(a, b));
+    });
+    for (std::size_t k = 0; k < own.size(); ++k) {
+      if (!in_question[k]) continue;
+      bool fresh = false;
+      each_segment({&own[k], 1},
+                   [&](const Point& a, const Point& b) { fresh = fresh || !same.contains(segment(a, b)); });
+      in_question[k] = fresh;
+    }
+  }
+
+  /// What is carried of a path; nothing when it is left as it is.
+  std::optional<std::vector<Path>> carried(const Path& path, const Carrier& carrier) const {
     const bool dense = path.role == Role::support_interface;
     const Polyline line = whole_line(path);
     std::vector<Stretch> stretches = stretches_of(line, carrier, dense);
     const bool uniform = stretches.size() == 1;
-    if (uniform && (stretches.front().held || geom::length(line) < kTipMm * geom::kNmPerMm)) {
-      out.push_back(path);
-      return true;
-    }
+    if (uniform && (stretches.front().held || geom::length(line) < kTipMm * geom::kNmPerMm))
+      return std::nullopt;
     double all = 0, kept = 0, hanging = 0;
     for (const Stretch& s : stretches) {
       all += geom::length(s.points);
@@ -246,10 +291,8 @@ class Trimmer {
     const bool anywhere = !path.closed || hanging < kTipMm * geom::kNmPerMm;
     std::vector<Polyline> pieces = held_pieces(std::move(stretches), path.closed, kTipMm, apart_mm_);
     for (const Polyline& p : pieces) kept += geom::length(p);
-    if (anywhere && pieces.size() == 1 && kept > all - 1.0) {
-      out.push_back(path);
-      return true;
-    }
+    if (anywhere && pieces.size() == 1 && kept > all - 1.0) return std::nullopt;
+    std::vector<Path> out;
     for (Polyline& p : pieces) {
       if (geom::length(p) < kLeastPieceMm * geom::kNmPerMm) continue;
       Path piece = path;
@@ -257,7 +300,7 @@ class Trimmer {
       piece.points = geom::simplify(p, 1);
       out.push_back(std::move(piece));
     }
-    return false;
+    return out;
   }
 
   const slice::LayerStack& stack_;
@@ -272,17 +315,21 @@ void trim_support(std::vector<std::vector<Path>*>& lines, const slice::LayerStac
                   const SliceSettings& settings, const run::Context& ctx) {
   if (settings.support_density <= 0) return;
   const Trimmer trimmer(stack, settings);
-  // Most layers stay as they are: what is above them is known at once.
-  std::vector<std::optional<std::vector<Path>>> found(lines.size());
+  // Most lines stay as they are: what is above them is known at once.
+  std::vector<Cuts> cuts(lines.size());
   run::parallel_for(ctx, lines.size(), [&](std::size_t i) {
-    if (i > 0) found[i] = trimmer.trimmed(*lines[i], *lines[i - 1], i);
+    cuts[i].resize(lines[i]->size());
+    if (i > 0) trimmer.trim(*lines[i], *lines[i - 1], i, nullptr, cuts[i]);
   });
-  bool below_changed = false;
+  std::optional<Boxes> below;
   for (std::size_t i = 1; i < lines.size(); ++i) {
     ctx.check();
-    if (below_changed) found[i] = trimmer.trimmed(*lines[i], *lines[i - 1], i);
-    below_changed = found[i].has_value();
-    if (below_changed) *lines[i] = *std::move(found[i]);
+    if (below) trimmer.trim(*lines[i], *lines[i - 1], i, &*below, cuts[i]);
+    below.emplace(*lines[i], cuts[i]);
+    if (below->empty())
+      below.reset();
+    else
+      *lines[i] = cut(std::move(*lines[i]), std::move(cuts[i]));
   }
 }
 
