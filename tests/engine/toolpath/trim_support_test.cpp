@@ -101,3 +101,25 @@ TEST_CASE("a loop that hangs from row to row begins on one of them") {
   CHECK(length_mm(left) == Approx(10.4));
   CHECK(std::abs(geom::to_mm(left[0].points.front().y) - 1.4) > 1.0);
 }
+
+TEST_CASE("what stood on what was cut is cut as well, layer for layer, and nothing beside it") {
+  // Two rows that reach out over air from the second layer on, and one far away that stands.
+  const Path apart = strand({{0, 60}, {20, 60}});
+  std::vector<Path> ground = kRows;
+  ground.push_back(apart);
+  std::vector<Path> out{strand({{0, 0}, {40, 0}}), strand({{0, 2.8}, {40, 2.8}}), apart};
+  std::vector<std::vector<Path>> layers{ground, out, out, out, out, out};
+  std::vector<std::vector<Path>*> lines;
+  for (auto& layer : layers) lines.push_back(&layer);
+  for (const unsigned threads : {1u, 2u}) {
+    run::Context ctx;
+    ctx.threads = threads;
+    toolpath::trim_support(lines, box_stack(1, 1, 2.0), {}, ctx);
+    for (std::size_t i = 1; i < layers.size(); ++i) {
+      REQUIRE(layers[i].size() == 3);
+      for (std::size_t k : {0u, 1u})
+        CHECK(length_mm({layers[i][k]}) == Approx(20.3 + 0.3 * static_cast<double>(i)).margin(0.5));
+      CHECK(layers[i][2].points == apart.points);
+    }
+  }
+}
