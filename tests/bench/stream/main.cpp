@@ -1,6 +1,8 @@
 // Hosts at one serial wire: how much of it they use, what they cost. Everybody talks to the same model: the
 // mock printer on a pseudo terminal at the wire's pace, 1 ms round trip, 128-byte ring, 4-command queue,
 // moves that take no time, so that only host and wire are measured.
+#include "tests/bench/stream/bare_host.h"
+#include "tests/bench/stream/memory_host.h"
 #include "tests/bench/stream/our_host.h"
 #include "tests/bench/stream/wire_printer.h"
 
@@ -25,9 +27,13 @@ constexpr const char* kLast = "M77";
 constexpr double kBitsPerByte = 10;
 constexpr double kRoundTrip_s = 0.001;
 constexpr double kLimit_s = 1800;
+// What may be unacknowledged: all but a byte of the receive ring that Marlin has, and of one that boards with
+// memory to spare are built with.
+constexpr int kWindow = 127, kWideWindow = 1023;
 
-mock::Options printer(double baud, bool meatpack) {
+mock::Options printer(double baud, bool meatpack, int window = kWindow) {
   mock::Options o = mock::make_mock().baud(baud).round_trip(baud > 0 ? kRoundTrip_s : 0).build();
+  o.rx_buffer = static_cast<std::size_t>(window) + 1;
   o.instant_moves = true;
   o.cold_extrusion = true;
   o.meatpack = meatpack;
@@ -64,6 +70,10 @@ Stream moves_of(const std::string& gcode, std::size_t limit, const std::filesyst
   return stream;
 }
 
+double per_100k(const CpuUse& cpu, const Stream& stream) {
+  return cpu.total_s() / static_cast<double>(stream.lines) * 1e5;
+}
+
 struct Row {
   double lines_per_s = 0;
   double of_wire = 0;   ///< of the wire's bytes while it streamed
@@ -85,10 +95,10 @@ Row measure(const char* name, const mock::Options& options, const std::vector<st
     row.of_plain = row.lines_per_s / (options.baud / kBitsPerByte / (stream.framed_bytes / lines));
   }
   std::printf(
-      "  %-18s %8.1f lines/s  %6.2f %% of the wire  %6.2f x the plain limit  %llu resends  %5.2f CPU s/100k "
+      "  %-24s %8.1f lines/s  %6.2f %% of the wire  %6.2f x the plain limit  %llu resends  %5.2f CPU s/100k "
       "lines (%.2f of the kernel, %.2f sleeps a line)  %5.1f MB\n",
       name, row.lines_per_s, 100 * row.of_wire, row.of_plain, static_cast<unsigned long long>(o.resends),
-      o.cpu.total_s() / lines * 1e5, o.cpu.kernel_s / lines * 1e5, o.cpu.sleeps / lines, o.resident_mb);
+      per_100k(o.cpu, stream), o.cpu.kernel_s / lines * 1e5, o.cpu.sleeps / lines, o.resident_mb);
   std::fflush(stdout);
   return row;
 }
@@ -102,22 +112,42 @@ void demand(bool holds, const char* what) {
 
 void compare(const std::string& self, const std::string& python, const Stream& stream, double baud) {
   const std::string rate = std::to_string(static_cast<int>(baud)), file = stream.file.string();
-  const Row plain = measure("voidpath", printer(baud, false), {self, "--host", "PORT", rate, file}, stream);
+  const std::string window = std::to_string(kWindow);
+  const Row plain =
+      measure("voidpath", printer(baud, false), {self, "--host", "PORT", rate, file, window}, stream);
   demand(plain.of_wire >= 0.99, "99 % of the wire");
   demand(plain.outcome.resends == 0 && plain.outcome.bytes_dropped == 0, "no resends on a clean line");
-  demand(plain.outcome.cpu.total_s() / static_cast<double>(stream.lines) * 1e5 <= 2,
-         "2 CPU s for 100,000 lines");
+  demand(per_100k(plain.outcome.cpu, stream) <= 2, "2 CPU s for 100,000 lines");
   demand(plain.outcome.resident_mb < 16, "16 MB");
-  const Row packed =
-      measure("voidpath, MeatPack", printer(baud, true), {self, "--host", "PORT", rate, file}, stream);
+  const Row packed = measure("voidpath, MeatPack", printer(baud, true),
+                             {self, "--host", "PORT", rate, file, window}, stream);
   demand(packed.of_plain >= 1.5, "1.5 x the plain limit with MeatPack");
   demand(packed.outcome.resends == 0, "no resends on a clean line, packed");
+  measure("bare loop, each ok", printer(baud, false), {self, "--bare", "PORT", rate, file, window, "0"},
+          stream);
+  measure("bare loop, that rests", printer(baud, false), {self, "--bare", "PORT", rate, file, window, "1"},
+          stream);
   if (python == "-") return;
   const Row core =
       measure("printcore", printer(baud, false), {"/usr/bin/python3", python, "PORT", rate, file}, stream);
   std::printf("  voidpath / printcore: %.2f x the lines, MeatPack %.2f x, %.0f x less CPU\n",
               plain.lines_per_s / core.lines_per_s, packed.lines_per_s / core.lines_per_s,
               core.outcome.cpu.total_s() / plain.outcome.cpu.total_s());
+}
+
+// As fast as host and terminal can; and the dialogue alone.
+void unpaced(const std::string& self, const Stream& stream) {
+  const std::string file = stream.file.string();
+  for (const int bytes : {kWindow, kWideWindow}) {
+    std::printf("  window of %d bytes\n", bytes);
+    const std::string window = std::to_string(bytes);
+    const Row free =
+        measure("voidpath", printer(0, false, bytes), {self, "--host", "PORT", "0", file, window}, stream);
+    demand(per_100k(free.outcome.cpu, stream) <= 0.3, "0.3 CPU s for 100,000 lines unpaced");
+    measure("bare loop", printer(0, false, bytes), {self, "--bare", "PORT", "0", file, window, "0"}, stream);
+    std::printf("  %-24s %5.2f CPU s/100k lines\n", "voidpath, in memory",
+                per_100k(print_in_memory(file, bytes), stream));
+  }
 }
 
 int bench_stream(const std::string& self, const std::string& python, const std::vector<std::string>& files,
@@ -138,10 +168,7 @@ int bench_stream(const std::string& self, const std::string& python, const std::
   const Stream all = moves_of(files.front(), 1000000, scratch);
   std::printf("%s: %zu moves without a wire\n", std::filesystem::path(files.front()).filename().c_str(),
               all.lines);
-  const Row free =
-      measure("voidpath", printer(0, false), {self, "--host", "PORT", "0", all.file.string()}, all);
-  demand(free.outcome.cpu.total_s() / static_cast<double>(all.lines) * 1e5 <= 0.3,
-         "0.3 CPU s for 100,000 lines unpaced");
+  unpaced(self, all);
   std::filesystem::remove_all(scratch);
   return failures == 0 ? 0 : 1;
 }
@@ -179,7 +206,10 @@ int bench_estop(const std::string& self, const std::string& file, int trials) {
 int main(int argc, char** argv) {
   const std::vector<std::string> a(argv + 1, argv + argc);
   try {
-    if (a.size() == 4 && a[0] == "--host") return print_file(a[1], std::atoi(a[2].c_str()), true, a[3]);
+    if (a.size() == 5 && a[0] == "--host")
+      return print_file(a[1], std::atoi(a[2].c_str()), true, a[3], std::atoi(a[4].c_str()));
+    if (a.size() == 6 && a[0] == "--bare")
+      return stream_bare(a[1], std::atoi(a[2].c_str()), a[3], std::atoi(a[4].c_str()), a[5] == "1");
     if (a.size() == 5 && a[0] == "--stop")
       return stop_print(a[1], std::atoi(a[2].c_str()), a[3], std::atof(a[4].c_str()));
     const std::string self = std::filesystem::canonical("/proc/self/exe").string();

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 namespace voidpath::bench {
 namespace {
@@ -52,9 +53,11 @@ fw::PortOptions options(const std::string& port, int baud, bool meatpack) {
 
 }  // namespace
 
-int print_file(const std::string& port, int baud, bool meatpack, const std::string& file) {
+int print_file(const std::string& port, int baud, bool meatpack, const std::string& file, int window) {
   Progress progress;
-  const auto printer = fw::open_marlin(options(port, baud, meatpack), fw::steady_clock(),
+  fw::PortOptions with = options(port, baud, meatpack);
+  with.rx_bytes = window + 1;
+  const auto printer = fw::open_marlin(std::move(with), fw::steady_clock(),
                                        [&](const fw::Event& event) { progress.note(event); });
   progress.wait_for(&Progress::connected);
   printer->print(fw::open_gcode_file(file));
