@@ -148,8 +148,10 @@ void add_gap_line(std::vector<Path>& out, const CentreLine& line, const BeadSize
     } while (i + 1 < n && std::abs(0.5 * (line.width_mm[i] + line.width_mm[i + 1]) - begin) <=
                               kGapWidthStep * bead.width_mm);
     if (length <= 0) continue;
-    // The gap is flanked by beads: its width is a spacing.
-    const double spacing = std::clamp(area / length, alone ? low : 0.0, high);
+    // A gap flanked by beads is as wide as a spacing; what stands alone is as wide as its line.
+    const double mean = area / length;
+    const double spacing =
+        alone ? std::clamp(bead_spacing_mm(mean, bead.height_mm), low, high) : std::min(mean, high);
     if (spacing < low) continue;
     const bool closed = line.closed && points.size() == n && points.front() == points.back();
     points = geom::simplify(points, from_mm(std::max(tolerance_mm, kGapToleranceMm)));
