@@ -12,6 +12,19 @@ class Clock {
   virtual double now_s() const noexcept = 0;
 };
 
+/// Another clock as it stood when it was last looked at: what belongs together gets one time, and a clock is
+/// read once for it. One thread.
+class HeldClock final : public Clock {
+ public:
+  explicit HeldClock(const Clock& of) : of_(of), held_s_(of.now_s()) {}
+  void look() noexcept { held_s_ = of_.now_s(); }
+  double now_s() const noexcept override { return held_s_; }
+
+ private:
+  const Clock& of_;
+  double held_s_;
+};
+
 /// CLOCK_MONOTONIC.
 std::shared_ptr<const Clock> steady_clock();
 

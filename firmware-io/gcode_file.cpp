@@ -3,6 +3,7 @@
 #include "firmware-io/marlin/words.h"
 #include "firmware-io/printer_port.h"
 
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -10,7 +11,6 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
-#include <vector>
 
 namespace voidpath::fw {
 namespace {
@@ -37,14 +37,21 @@ class GcodeFile final : public LineSource {
   }
 
   std::optional<SourceLine> next() override {
-    if (at_ == ahead_.size()) read_ahead();
-    if (at_ == ahead_.size()) {
+    SourceLine line;
+    if (!fetch(line)) return {};
+    return line;
+  }
+  bool fetch(SourceLine& line) override {
+    if (at_ == count_) read_ahead();
+    if (at_ == count_) {
       if (!error_.empty()) throw std::runtime_error(error_);
       position_ = read_;
-      return {};
+      return false;
     }
-    position_ = ahead_[at_].end;
-    return std::move(ahead_[at_++].line);
+    Ahead& ahead = ahead_[at_++];
+    position_ = ahead.end;
+    std::swap(line, ahead.line);
+    return true;
   }
   std::uint64_t position() const noexcept override { return position_; }
   std::uint64_t size() const noexcept override { return size_; }
@@ -57,10 +64,9 @@ class GcodeFile final : public LineSource {
 
   // What is wrong with a line is only told when those before it have been fetched.
   void read_ahead() {
-    ahead_.clear();
-    at_ = 0;
+    at_ = count_ = 0;
     try {
-      while (error_.empty() && ahead_.size() < kAhead && read_command()) {
+      while (error_.empty() && count_ < kAhead && read_command()) {
       }
     } catch (const std::runtime_error& error) {
       error_ = error.what();
@@ -79,7 +85,7 @@ class GcodeFile final : public LineSource {
       }
       if (command.empty()) continue;
       note_units(command);
-      ahead_.push_back({{marlin::trim_move(command, absolute_ && millimetres_), index}, read_});
+      ahead_[count_++] = {{marlin::trim_move(command, absolute_ && millimetres_), index}, read_};
       return true;
     }
     return false;
@@ -117,8 +123,9 @@ class GcodeFile final : public LineSource {
   std::uint32_t lines_ = 0;
   bool absolute_ = false;
   bool millimetres_ = true;  ///< as every firmware begins
-  std::vector<Ahead> ahead_;
-  std::size_t at_ = 0;      ///< the next of them
+  std::array<Ahead, kAhead> ahead_;
+  std::size_t count_ = 0;   ///< of them
+  std::size_t at_ = 0;      ///< the next
   std::string error_;       ///< met behind them
   std::uint64_t read_ = 0;  ///< bytes
   std::uint64_t position_ = 0;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace voidpath::fw {
 
@@ -18,6 +19,12 @@ class LineSource {
   /// The next command; empty at the end. Comment-only and blank lines never appear.
   /// Throws std::runtime_error when the file cannot be read further.
   virtual std::optional<SourceLine> next() = 0;
+  /// The same in place of `line`, whose memory it may use again; false at the end.
+  virtual bool fetch(SourceLine& line) {
+    std::optional<SourceLine> found = next();
+    if (found) line = std::move(*found);
+    return found.has_value();
+  }
   /// Bytes of the file consumed so far and in all, for progress. Total may be 0 when unknown.
   virtual std::uint64_t position() const noexcept = 0;
   virtual std::uint64_t size() const noexcept = 0;

@@ -95,10 +95,11 @@ class Session final : public PrinterPort {
 
   void run() noexcept {
     double stop_at = 0;
-    while (!must_end(stop_at)) {
+    bool called = true;
+    while (!called || !must_end(stop_at)) {
       if (!transport_ && stop_at == 0 && now() >= reopen_at_) reopen();
-      wait_for_something(stop_at);
-      carry_out_posted();
+      called = wait_for_something(stop_at) || stop_at > 0;
+      if (called) carry_out_posted();
       try {
         move_bytes();
       } catch (const PortError& error) {
@@ -118,6 +119,7 @@ class Session final : public PrinterPort {
       stop_at = now() + timing_.shutdown_s;
       dialogue_->shut_down(now());
       flush_quietly();
+      due_ = dialogue_->deadline();
     }
     return !transport_ || dialogue_->finished() || now() >= stop_at;
   }
@@ -126,6 +128,7 @@ class Session final : public PrinterPort {
     try {
       transport_ = open_();
       dialogue_->opened(now());
+      due_ = dialogue_->deadline();
     } catch (const std::exception& error) {
       close_port(error.what());
     }
@@ -139,13 +142,14 @@ class Session final : public PrinterPort {
     reopen_at_ = now() + timing_.reconnect_s;
   }
 
-  void wait_for_something(double stop_at) {
+  // True when another thread wants something.
+  bool wait_for_something(double stop_at) {
     std::array<pollfd, 2> fds{pollfd{wake_fd_, POLLIN, 0}, pollfd{-1, POLLIN, 0}};
     double until = reopen_at_;
     if (transport_) {
       fds[1].fd = transport_->fd();
       if (!dialogue_->output().empty()) fds[1].events |= POLLOUT;
-      until = dialogue_->deadline();
+      until = due_;
     }
     if (stop_at > 0) until = std::min(until, stop_at);
     if (transport_ && dialogue_->output().empty() && fds[1].events == POLLIN) {
@@ -155,13 +159,14 @@ class Session final : public PrinterPort {
       if (end - begin > kShortestRest_s && wait(fds[0], 1, end - begin) == 0) {
         // What came meanwhile is read at once; the next wait finds out if it was nothing.
         dialogue_->rested(end, now());
-        return;
+        return false;
       }
     }
     wait(fds[0], fds.size(), std::clamp(until - now(), 0.0, kLongestPoll_s));
+    if (fds[0].revents == 0) return false;
     std::uint64_t count = 0;
-    if (fds[0].revents != 0) [[maybe_unused]]
-      const auto n = ::read(wake_fd_, &count, sizeof count);
+    [[maybe_unused]] const auto n = ::read(wake_fd_, &count, sizeof count);
+    return true;
   }
 
   static int wait(pollfd& first, std::size_t count, double seconds) noexcept {
@@ -190,8 +195,11 @@ class Session final : public PrinterPort {
       flush();
       if (n < buffer.size() || dialogue_->closing()) break;
     }
-    if (now() >= dialogue_->deadline()) dialogue_->elapsed(now());
+    due_ = dialogue_->deadline();
+    if (now() < due_) return;
+    dialogue_->elapsed(now());
     flush();
+    due_ = dialogue_->deadline();
   }
 
   void flush() {
@@ -216,6 +224,7 @@ class Session final : public PrinterPort {
   const std::unique_ptr<Dialogue> dialogue_;  // the session's thread alone
   std::unique_ptr<Transport> transport_;
   double reopen_at_ = 0;
+  double due_ = 0;  ///< the dialogue's deadline
 
   std::atomic<std::string*> halt_{nullptr};  ///< the reason of a halt not yet carried out; owned
 

@@ -14,18 +14,28 @@ bool allowed(char c) noexcept {
   return c >= 0x20 && c <= 0x7E && c != ';' && c != '*' && c != '\\' && c != '(' && c != ')';
 }
 
-void append_number(std::string& out, std::uint32_t value) {
-  char digits[10];
-  const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
-  out.append(digits, end);
-}
-
-// Of what stands in `out` from `begin` on; and the newline.
-void append_checksum(std::string& out, std::size_t begin) {
-  const std::uint8_t sum = checksum(std::string_view(out).substr(begin));
-  out += '*';
-  append_number(out, sum);
-  out += '\n';
+// `N`, a number, perhaps a blank, the payload with or without its blanks, `*`, the sum of all that, newline.
+template <bool kDense>
+void append_framed(std::string& out, std::uint32_t number, std::string_view payload) {
+  constexpr std::size_t kMostAround = 17;
+  const std::size_t begin = out.size();
+  out.resize(begin + payload.size() + kMostAround);
+  char* const first = out.data() + begin;
+  char* to = first;
+  *to++ = 'N';
+  to = std::to_chars(to, to + 10, number).ptr;
+  if constexpr (kDense) {
+    for (const char c : payload)
+      if (c != ' ') *to++ = c;
+  } else {
+    *to++ = ' ';
+    to = std::copy(payload.begin(), payload.end(), to);
+  }
+  const std::uint8_t sum = checksum({first, static_cast<std::size_t>(to - first)});
+  *to++ = '*';
+  to = std::to_chars(to, to + 3, sum).ptr;
+  *to++ = '\n';
+  out.resize(static_cast<std::size_t>(to - out.data()));
 }
 
 // Where the comment begins. A semicolon cannot be quoted: Marlin cuts there in any text.
@@ -63,23 +73,12 @@ std::uint8_t checksum(std::string_view bytes) noexcept {
 
 void append_frame(std::string& out, std::uint32_t number, std::string_view payload) {
   assert(is_clean(payload));
-  const std::size_t begin = out.size();
-  out += 'N';
-  append_number(out, number);
-  out += ' ';
-  out += payload;
-  append_checksum(out, begin);
+  append_framed<false>(out, number, payload);
 }
 
 void append_dense_frame(std::string& out, std::uint32_t number, std::string_view payload) {
   if (!payload.starts_with('G')) return append_frame(out, number, payload);
-  assert(is_clean(payload));
-  const std::size_t begin = out.size();
-  out += 'N';
-  append_number(out, number);
-  for (const char c : payload)
-    if (c != ' ') out += c;
-  append_checksum(out, begin);
+  append_framed<true>(out, number, payload);
 }
 
 std::string frame(std::uint32_t number, std::string_view payload) {

@@ -38,12 +38,13 @@ Driver::Driver(DriverOptions options, const Clock& stamp, FlightRecorder& record
       stamp_(stamp),
       recorder_(recorder),
       handler_(std::move(handler)),
-      link_(options_.window, at_pace(options_.timing, options_.keepalive_s), options_.byte_s, stamp,
+      link_(options_.window, at_pace(options_.timing, options_.keepalive_s), options_.byte_s, stamp_,
             recorder) {}
 
 void Driver::emit(decltype(Event::what) what) { handler_({stamp_.now_s(), std::move(what)}); }
 
 void Driver::received(std::string_view bytes, double t) {
+  stamp_.look();
   received_t_ = t;
   splitter_.feed(bytes);
   std::string line;
@@ -166,6 +167,7 @@ void Driver::disconnect(const std::string& reason) {
 }
 
 void Driver::lost(const std::string& reason) {
+  stamp_.look();
   link_.drop_output();
   if (job_) {
     report_stats();
@@ -176,6 +178,7 @@ void Driver::lost(const std::string& reason) {
 }
 
 void Driver::elapsed(double t) {
+  stamp_.look();
   if (phase_ == Phase::closed) return;
   if (phase_ != Phase::ready && t >= phase_deadline_) handshake_elapsed(t);
   if (phase_ == Phase::identifying || phase_ == Phase::ready) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "firmware-io/clock.h"
 #include "firmware-io/dialogue.h"
 #include "firmware-io/flight_recorder.h"
 #include "firmware-io/marlin/codec.h"
@@ -110,7 +111,7 @@ class Driver final : public Dialogue {
   void note_sensors(const Sensors& sensors);
 
   DriverOptions options_;
-  const Clock& stamp_;
+  HeldClock stamp_;  ///< looked at by whatever is called from outside
   FlightRecorder& recorder_;
   std::function<void(const Event&)> handler_;
   Link link_;

@@ -22,6 +22,7 @@ bool reads_dense_moves(const std::string& firmware) {
 }  // namespace
 
 void Driver::opened(double t) {
+  stamp_.look();
   splitter_.clear();
   link_.output().clear();
   link_.restart(0);

@@ -16,6 +16,7 @@ constexpr double kMostHalting_s = 15;
 }  // namespace
 
 void Driver::print(std::unique_ptr<LineSource> source, double t) {
+  stamp_.look();
   if (phase_ != Phase::ready || job_) {
     emit(PrintFailed{job_ ? "a print is already running" : "the printer is not connected"});
     return;
@@ -38,11 +39,13 @@ void Driver::print(std::unique_ptr<LineSource> source, double t) {
 }
 
 void Driver::pause() {
+  stamp_.look();
   printer_waits_ = false;  // a person's wish outlasts the printer's
   if (job_) job_->pause(false, "");
 }
 
 void Driver::resume(double t) {
+  stamp_.look();
   leave_panel(t);
   go_on(t);
 }
@@ -63,6 +66,7 @@ void Driver::go_on(double t) {
 }
 
 void Driver::cancel(const std::string& reason, double t) {
+  stamp_.look();
   if (!job_) return;
   std::vector<std::string> lines = options_.cancel_gcode;
   lines.insert(lines.end(), heaters_off().begin(), heaters_off().end());
@@ -74,6 +78,7 @@ void Driver::cancel(const std::string& reason, double t) {
 }
 
 void Driver::shut_down(double t) {
+  stamp_.look();
   if (!job_) return;
   std::vector<std::string> lines = heaters_off();
   lines.insert(lines.end(), options_.cancel_gcode.begin(), options_.cancel_gcode.end());
@@ -84,6 +89,7 @@ void Driver::shut_down(double t) {
 }
 
 void Driver::halt(const std::string& reason, double t) {
+  stamp_.look();
   if (phase_ == Phase::closed || phase_ == Phase::halted) return;
   urgent_ = true;
   link_.drop_output();
@@ -110,6 +116,7 @@ void Driver::say_halt(double t) {
 }
 
 void Driver::command(const std::string& raw, double t) {
+  stamp_.look();
   const std::string line = sanitise(raw);
   if (line.empty()) return;
   const Word word = first_word(line);

@@ -12,7 +12,19 @@ namespace {
 // Answered by a bare ok each time: then this firmware says no temperatures, or ever so many oks came twice.
 constexpr int kVerifications = 50;
 
-bool holds_back(const std::string& text) { return is_homing(text) || may_wait_for_person(text); }
+/// What of a line's meaning decides when it and what follows may go.
+struct Meaning {
+  bool pauses = false;
+  bool heats = false;
+  bool is_long = false;
+  bool holds_back = false;
+};
+
+Meaning meaning_of(std::string_view text) {
+  // Nearly every line is a plain move.
+  if (text.starts_with("G1 ") || text.starts_with("G0 ")) return {};
+  return {is_pause(text), is_heating_wait(text), is_long(text), is_homing(text) || may_wait_for_person(text)};
+}
 
 }  // namespace
 
@@ -24,21 +36,21 @@ const std::vector<std::string>& heaters_off() {
 PrintJob::PrintJob(std::unique_ptr<LineSource> source, Emit emit)
     : source_(std::move(source)), emit_(std::move(emit)) {}
 
-// True when pending_ holds the next line; false at the end of the file.
+// True when pending_ is the next line; false at the end of the file.
 bool PrintJob::fetch() {
-  if (!pending_) {
-    pending_ = source_->next();
+  if (!is_pending_) {
+    is_pending_ = source_->fetch(pending_);
     pending_position_ = source_->position();
   }
-  return pending_.has_value();
+  return is_pending_;
 }
 
-void PrintJob::note_sent(const std::string& text) {
+void PrintJob::note_sent(const Tag& tag, const std::string& text) {
   if (!std::exchange(started_, true)) emit_(PrintStarted{});
-  if (is_heating_wait(text)) {
+  if (tag.heating) {
     heating_ = true;
     emit_(Heating{true});
-  } else if (holds_back(text)) {
+  } else if (tag.holds_back) {
     held_back_ = true;
   } else if (motion_armed_ && is_motion(text)) {
     motion_armed_ = false;
@@ -58,20 +70,20 @@ PrintJob::Step PrintJob::feed_line(Link& link, double t) {
     state_ = State::finishing;
     return Step::wait;
   }
-  const std::string& text = pending_->text;
-  if (is_pause(text)) {
-    const std::string reason = text;
-    pending_.reset();
-    pause(false, reason);
+  const std::string& text = pending_.text;
+  const Meaning meaning = meaning_of(text);
+  if (meaning.pauses) {
+    is_pending_ = false;
+    pause(false, text);
     return Step::wait;
   }
-  const bool may_go = text.starts_with('G') && !is_long(text) ? link.may_begin(text) : link.may_send(text);
-  if (!may_go || (is_heating_wait(text) && !link.all_acknowledged())) return Step::wait;
-  const Tag tag{Tag::Kind::file,       pending_->index, pending_position_,
-                is_heating_wait(text), is_long(text),   holds_back(text)};
+  const bool may_go = text.starts_with('G') && !meaning.is_long ? link.may_begin(text) : link.may_send(text);
+  if (!may_go || (meaning.heats && !link.all_acknowledged())) return Step::wait;
+  const Tag tag{Tag::Kind::file, pending_.index,  pending_position_,
+                meaning.heats,   meaning.is_long, meaning.holds_back};
   link.send(text, tag, t);
-  note_sent(text);
-  pending_.reset();
+  is_pending_ = false;
+  note_sent(tag, text);
   return Step::sent;
 }
 

@@ -63,13 +63,14 @@ class PrintJob {
   Step feed_line(Link& link, double t);
   void feed_ending(Link& link, double t);
   void verify(Link& link, double t);
-  void note_sent(const std::string& text);
+  void note_sent(const Tag& tag, const std::string& text);
   void finish();
 
   std::unique_ptr<LineSource> source_;
   Emit emit_;
   State state_ = State::feeding;
-  std::optional<SourceLine> pending_;
+  SourceLine pending_;  ///< the next line, once fetched; else an old one, for its memory
+  bool is_pending_ = false;
   std::uint64_t pending_position_ = 0;
   bool waits_at_end_ = false;  ///< the printer, for a person, though all is sent
   int verifications_ = 0;      ///< M105 sent behind M400

@@ -32,6 +32,9 @@ constexpr int kSignsOfRestart = 2;
 
 // A line is not begun for less.
 constexpr int kShortestPiece = 4;
+// Bytes of any line, packed or not; of an M105.
+constexpr int kShortestFrame = 4;
+constexpr int kLongestQuestion = 32;
 
 // Of the lines in flight so many have left the receive buffer once all have arrived: BUFSIZE is 4, less what
 // the panel may have put into the queue.
@@ -72,12 +75,10 @@ void Window::restart(std::uint32_t last) {
   health_ = Health::good;
 }
 
-std::size_t Window::framed_bytes(std::string_view payload) const { return encode(next_, payload).size(); }
-
-bool Window::has_room(std::size_t bytes) const noexcept {
+bool Window::has_room(int bytes) const noexcept {
   if (draining_ || withheld_ > 0 || health_ != Health::good) return false;
   if (grant_ || question_ || bytes_in_flight_ == 0) return true;
-  return bytes_in_flight_ + static_cast<int>(bytes) <= limit_;
+  return bytes_in_flight_ + bytes <= limit_;
 }
 
 const std::string& Window::encode(std::uint32_t number, std::string_view payload) const {
@@ -94,18 +95,24 @@ const std::string& Window::encode(std::uint32_t number, std::string_view payload
   return framed_;
 }
 
+// This is asked again and again while there is none: then nothing is framed for it.
+bool Window::has_room_for(std::string_view payload) const {
+  return has_room(kShortestFrame) && has_room(static_cast<int>(encode(next_, payload).size()));
+}
+
 bool Window::may_send(std::string_view payload) const {
-  return !resending() && withheld_ == 0 && has_room(framed_bytes(payload));
+  return !resending() && withheld_ == 0 && has_room_for(payload);
 }
 
 bool Window::may_begin(std::string_view payload) const {
-  if (may_send(payload)) return true;
-  return piecewise_ && !packing_ && withheld_ == 0 && !draining_ && !resending() && !throttled() &&
-         health_ == Health::good && bytes_in_flight_ + kShortestPiece <= limit_;
+  const bool in_pieces = piecewise_ && !packing_ && withheld_ == 0 && !draining_ && !resending() &&
+                         !throttled() && health_ == Health::good &&
+                         bytes_in_flight_ + kShortestPiece <= limit_;
+  return in_pieces || may_send(payload);
 }
 
 void Window::note_sent(std::uint32_t number, std::size_t bytes) {
-  in_flight_.push_back({number, static_cast<int>(bytes)});
+  in_flight_.push_back({number, static_cast<int>(bytes), kept(number) == "M105"});
   if (number == cut_off_) cut_off_ = 0;
   bytes_in_flight_ += static_cast<int>(bytes);
   question_ = answered_ = false;
@@ -121,7 +128,7 @@ void Window::use_grant() noexcept {
 const std::string& Window::send(std::string_view payload) {
   const std::string& framed = encode(next_, payload);
   assert(!resending() && payload.size() <= kMaxPayload);
-  const bool whole = has_room(framed.size());
+  const bool whole = has_room(static_cast<int>(framed.size()));
   assert(whole || (piecewise_ && bytes_in_flight_ < limit_));
   slot(next_) = payload;
   note_sent(next_, framed.size());
@@ -146,7 +153,7 @@ int Window::let_out() {
 std::optional<std::string> Window::resend() {
   if (!resending()) return {};
   const std::string& framed = encode(cursor_, slot(cursor_));
-  if (!has_room(framed.size())) return {};
+  if (!has_room(static_cast<int>(framed.size()))) return {};
   note_sent(cursor_, framed.size());
   ++cursor_;
   return framed;
@@ -154,23 +161,24 @@ std::optional<std::string> Window::resend() {
 
 bool Window::may_ask(std::string_view question) const {
   if (draining_ || resending() || health_ != Health::good) return false;
-  int bytes = bytes_in_flight_ + static_cast<int>(framed_bytes(question));
+  int bytes = bytes_in_flight_;
   for (std::size_t i = 0; i < in_flight_.size() && i < kSurelyQueued; ++i) bytes -= in_flight_[i].bytes;
-  return bytes <= options_.max_bytes;
+  if (bytes + kLongestQuestion <= options_.max_bytes) return true;
+  return bytes + static_cast<int>(encode(next_, question).size()) <= options_.max_bytes;
 }
 
 bool Window::asking() const {
   return std::any_of(in_flight_.begin(), in_flight_.end(),
-                     [&](const Flight& flight) { return is_question(flight); });
+                     [](const Flight& flight) { return flight.question; });
 }
 
 bool Window::answers_missing() const {
   return answered_ && !resending() && !in_flight_.empty() &&
          std::all_of(in_flight_.begin(), in_flight_.end(),
-                     [&](const Flight& flight) { return is_question(flight); });
+                     [](const Flight& flight) { return flight.question; });
 }
 
-void Window::sent_unnumbered() { in_flight_.push_back({0, 0}); }
+void Window::sent_unnumbered() { in_flight_.push_back({}); }
 
 void Window::acknowledge_front() {
   const Flight front = in_flight_.front();
@@ -255,7 +263,7 @@ void Window::on_ok(std::optional<std::uint32_t> line, std::optional<int> queue_f
   }
   if (temperatures) {
     const auto asked = std::find_if(in_flight_.begin(), in_flight_.end(),
-                                    [&](const Flight& flight) { return is_question(flight); });
+                                    [](const Flight& flight) { return flight.question; });
     if (asked == in_flight_.end()) return;
     answered_ = first_taken_ = true;
     lost_oks_ += static_cast<std::uint64_t>(asked - in_flight_.begin());

@@ -159,12 +159,12 @@ class Window {
   struct Flight {
     std::uint32_t number = 0;  ///< 0: unnumbered
     int bytes = 0;             ///< in the receive ring, 0 once known to have left it
+    bool question = false;     ///< M105
   };
 
   const std::string& encode(std::uint32_t number, std::string_view payload) const;
-  std::size_t framed_bytes(std::string_view payload) const;
-  bool has_room(std::size_t bytes) const noexcept;
-  bool is_question(const Flight& flight) const { return flight.number != 0 && kept(flight.number) == "M105"; }
+  bool has_room_for(std::string_view payload) const;
+  bool has_room(int bytes) const noexcept;
   bool wants_the_beginning(std::uint32_t line);
   void note_sent(std::uint32_t number, std::size_t bytes);
   void use_grant() noexcept;
