@@ -3,6 +3,7 @@
 #include "engine/geom/polygon_ops.h"
 #include "engine/run/parallel_for.h"
 #include "engine/toolpath/adhesion.h"
+#include "engine/toolpath/bare.h"
 #include "engine/toolpath/brim.h"
 #include "engine/toolpath/combine_infill.h"
 #include "engine/toolpath/draft.h"
@@ -187,13 +188,18 @@ SampledPlan build_samples(const slice::LayerStack& cuts, const std::vector<Layer
         hold_tips(layer.paths, stack[i].regions, stack[i - 1].regions, printed_area(supports[bearer]));
     }
   });
-  if (n == stack.size()) cut_threads(std::span(plan.layers).subspan(below), stack, supports, s, ctx);
+  std::vector<geom::Regions> bare(stack.size());
+  if (n == stack.size()) {
+    run::parallel_for(ctx, n,
+                      [&](std::size_t i) { bare[i] = bare_parts(walls[i], plan.layers[below + i].paths); });
+    cut_threads(std::span(plan.layers).subspan(below), stack, supports, bare, s, ctx);
+  }
   run::parallel_for(ctx, n, [&](std::size_t g) {
     const std::size_t i = groups[g].sample;
     LayerPlan& layer = plan.layers[below + g];
     if (i > 0) {
       const double width = beads[below + g].width_mm;
-      mark_overhangs(layer.paths, stack[i].regions, stack[i - 1].regions, width, settings.speed);
+      mark_overhangs(layer.paths, stack[i].regions, stack[i - 1].regions, bare[i - 1], width, settings.speed);
     }
     layer.support = printed_area(supports[g]);
   });

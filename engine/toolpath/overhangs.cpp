@@ -114,15 +114,15 @@ bool begin_held(std::vector<Stretch>& loop, const std::vector<Band>& bands) {
   return true;
 }
 
-/// The layer below without what is too thin in this box to carry a line.
-geom::Regions firm_part(const geom::Regions& below, const geom::Box& box) {
+/// The layer below without what is too thin in this box to carry a line, or bare.
+geom::Regions firm_part(const geom::Regions& below, const geom::Regions& bare, const geom::Box& box) {
   const geom::Coord width = from_mm(kFirmMm);
   // Cut off at a distance, so that the cut itself leaves nothing thin.
   const geom::Box around = grown(box, 2 * width);
   const geom::Regions near = quick_intersect(below, {{geom::make_rectangle(around.min, around.max), {}}});
-  const geom::Regions thin = quick_subtract(near, geom::open(near, width / 2));
-  if (thin.empty()) return below;
-  return quick_subtract(below, quick_intersect(thin, {{geom::make_rectangle(box.min, box.max), {}}}));
+  geom::Regions thin = quick_subtract(near, geom::open(near, width / 2));
+  if (!thin.empty()) thin = quick_intersect(thin, {{geom::make_rectangle(box.min, box.max), {}}});
+  return quick_subtract(below, quick_unite(thin, near_box(bare, box)));
 }
 
 void put_in_band(Path& path, std::size_t band, const std::vector<Band>& bands) {
@@ -137,7 +137,7 @@ void put_in_band(Path& path, std::size_t band, const std::vector<Band>& bands) {
 }  // namespace
 
 void mark_overhangs(std::vector<Path>& paths, const geom::Regions& own, const geom::Regions& below,
-                    double width_mm, const SpeedSettings& speed) {
+                    const geom::Regions& bare, double width_mm, const SpeedSettings& speed) {
   if (own == below) return;
   const std::vector<Band> bands = bands_of(speed);
   // An outer bead's middle lies half a bead inside the outline.
@@ -145,7 +145,7 @@ void mark_overhangs(std::vector<Path>& paths, const geom::Regions& own, const ge
   const geom::Regions stepping = quick_subtract(own, geom::offset(below, from_mm(step)));
   if (stepping.empty()) return;
   const geom::Box box = grown(*geom::bounds(stepping), from_mm(width_mm));
-  const geom::Regions firm = firm_part(below, box);
+  const geom::Regions firm = firm_part(below, bare, box);
   Carrier carrier(firm, width_mm, bands);
   std::vector<Path> out;
   out.reserve(paths.size());

@@ -11,6 +11,8 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
+#include <set>
 #include <utility>
 
 namespace voidpath::toolpath {
@@ -23,6 +25,8 @@ using geom::Polyline;
 
 /// Threads are no wider than this share of a line: wider ones keep their place over a short way.
 constexpr double kThreadShare = 0.75;
+/// With support any gap line is cut: none is wider than this many lines.
+constexpr double kAnyShare = 4.0;
 /// Lines reach this far over from a support beside them, mm.
 constexpr double kBesideSupportMm = 0.5;
 /// A line is carried by one below that it overlaps by so much of its width, whatever the angle.
@@ -32,6 +36,10 @@ constexpr double kStepMm = 0.1;
 /// The tip of a thread may stick out by this.
 constexpr int kTipSteps = 3;
 constexpr double kTipMm = kTipSteps * kStepMm;
+/// An end may lie over what is bare if it is no further from its box than this, mm.
+constexpr double kBesideBareMm = 0.5;
+/// What carries a line is looked for this far around it, mm.
+constexpr double kAroundMm = 2.0;
 /// What a cut leaves of a thread's own end is thinner than twice this, mm.
 constexpr double kSliverMm = 0.04;
 /// What a thread leaves bare is wider than it by this, mm: nothing of it is left beside.
@@ -56,8 +64,11 @@ Polyline fine(const Polyline& line) {
 
 class Cutter {
  public:
-  Cutter(std::vector<Path>& paths, const geom::Regions& ground, double line_width_mm)
-      : paths_(paths), ground_(ground), thin_mm_(kThreadShare * line_width_mm) {
+  /// Beside `where`, if that is given, everything is held.
+  Cutter(std::vector<Path>& paths, const geom::Regions& ground, double widest_mm,
+         const geom::Regions* where = nullptr)
+      : paths_(paths), ground_(ground), widest_mm_(widest_mm) {
+    if (where != nullptr) where_.emplace(*where);
     for (const Path& p : paths)
       if (is_line(p)) ++at_[key(p.points.front())], ++at_[key(p.points.back())];
   }
@@ -67,7 +78,7 @@ class Cutter {
       more = false;
       for (Path& path : paths_)
         for (int end = 0; end < 2; ++end) {
-          if (is_line(path) && path.width_mm <= thin_mm_) more = cut(path) || more;
+          if (is_line(path) && path.width_mm <= widest_mm_) more = cut(path) || more;
           std::reverse(path.points.begin(), path.points.end());
         }
     }
@@ -79,13 +90,14 @@ class Cutter {
   static bool is_line(const Path& p) { return p.role == Role::gap_fill && !p.closed && p.points.size() > 1; }
   static std::pair<geom::Coord, geom::Coord> key(const Point& p) { return {p.x, p.y}; }
 
+  bool is_held(const Point& p) const { return (where_ && !where_->contains(p)) || ground_.contains(p); }
+
   /// Back from the first point; whether anything was.
   bool cut(Path& path) {
     Polyline& line = path.points;
-    if (at_[key(line.front())] != 1 || ground_.contains(line.front())) return false;
+    if (at_[key(line.front())] != 1 || is_held(line.front())) return false;
     Polyline points = fine(line);
-    const auto held =
-        std::find_if(points.begin(), points.end(), [&](const Point& p) { return ground_.contains(p); });
+    const auto held = std::find_if(points.begin(), points.end(), [&](const Point& p) { return is_held(p); });
     if (held != points.end() && held - points.begin() <= kTipSteps + 1) return false;
     --at_[key(line.front())];
     if (held == points.end()) {
@@ -107,7 +119,8 @@ class Cutter {
 
   std::vector<Path>& paths_;
   geom::AreaGrid ground_;
-  double thin_mm_;
+  std::optional<geom::AreaGrid> where_;
+  double widest_mm_;
   geom::Regions bare_;
   std::map<std::pair<geom::Coord, geom::Coord>, int> at_;  ///< how many ends lie there
 };
@@ -117,54 +130,86 @@ double lean_mm(const slice::Layer& layer, const SliceSettings& s) {
   return std::max(layer.span.height_mm() * std::tan(angle), kCarriedShare * s.line_width_mm);
 }
 
-/// What carries the lines of layer i: the layer below without what is missing there, lower ones over a gap in
+double widest_mm(const SliceSettings& s) {
+  return (s.support == SupportMode::none ? kThreadShare : kAnyShare) * s.line_width_mm;
+}
+
+/// Of lines that go on from each other: around those of which one has an end in the air.
+geom::Regions hanging_chains(const std::vector<Path>& paths, const geom::Regions& below,
+                             const geom::Regions& bare, double widest_mm) {
+  std::optional<geom::AreaGrid> grid;  // made when first wanted
+  const auto hangs = [&](const Point& p) {
+    if (!bare.empty() && !near_box(bare, grown({p, p}, from_mm(kBesideBareMm))).empty()) return true;
+    if (!grid) grid.emplace(below);
+    return !grid->contains(p);
+  };
+  std::multimap<std::pair<geom::Coord, geom::Coord>, const Path*> at;
+  std::vector<const Path*> found;
+  for (const Path& p : paths) {
+    if (p.role != Role::gap_fill || p.closed || p.points.empty()) continue;
+    for (const Point& q : {p.points.front(), p.points.back()}) at.emplace(std::pair(q.x, q.y), &p);
+    if (p.width_mm <= widest_mm && (hangs(p.points.front()) || hangs(p.points.back()))) found.push_back(&p);
+  }
+  std::set<const Path*> known(found.begin(), found.end());
+  geom::Rings boxes;
+  for (std::size_t k = 0; k < found.size(); ++k) {  // grows
+    const geom::Polyline& line = found[k]->points;
+    const geom::Box box = grown(*geom::bounds(line), from_mm(kAroundMm));
+    boxes.push_back(geom::make_rectangle(box.min, box.max));
+    for (const Point& q : {line.front(), line.back()})
+      for (auto [it, end] = at.equal_range({q.x, q.y}); it != end; ++it)
+        if (known.insert(it->second).second) found.push_back(it->second);
+  }
+  return boxes.empty() ? geom::Regions{} : geom::unite(boxes);
+}
+
+/// What carries the lines of layer i there: the layer below without what is missing, lower ones over a gap in
 /// which no support has room, and support.
-geom::Regions ground_of(std::size_t i, const slice::LayerStack& stack, const SupportAreas& support,
-                        const geom::Regions& missing, const SliceSettings& s) {
-  geom::Regions out = stack[i - 1].regions;
-  if (!missing.empty()) out = geom::open(quick_subtract(out, missing), from_mm(kSliverMm));
+geom::Regions ground_of(std::size_t i, const geom::Regions& where, const slice::LayerStack& stack,
+                        const SupportAreas& support, const geom::Regions& missing, const SliceSettings& s) {
+  geom::Regions over = quick_intersect(stack[i - 1].regions, where);  // no gap of the part's own
+  geom::Regions out = missing.empty() ? over : geom::open(quick_subtract(over, missing), from_mm(kSliverMm));
   const slice::LayerSpan& span = stack[i].span;
   const double no_room = 2 * s.support_z_gap_mm + span.height_mm() - kStepMm;
-  for (std::size_t j = i - 1; j-- > 0 && span.bottom_mm - stack[j].span.top_mm < no_room;)
-    out = quick_unite(out, stack[j].regions);
+  for (std::size_t j = i - 1; j-- > 0 && span.bottom_mm - stack[j].span.top_mm < no_room;) {
+    const geom::Regions lower = quick_intersect(stack[j].regions, where);
+    out = quick_unite(out, missing.empty() ? lower : quick_subtract(lower, over));
+    over = quick_unite(over, lower);
+  }
   const double lean = lean_mm(stack[i], s);
-  const geom::Regions held = printed_area(support);
+  const geom::Regions held = quick_intersect(printed_area(support), where);
   if (!held.empty())
     out = quick_unite(out, geom::offset(held, from_mm(std::max(kBesideSupportMm - lean, 0.0))));
   return geom::offset(out, from_mm(lean));
 }
 
-/// Whether threads may hang in layer i at all.
-bool may_hang(const LayerPlan& layer, std::size_t i, const slice::LayerStack& stack, const SliceSettings& s) {
-  const auto thin = [&](const Path& p) {
-    return p.role == Role::gap_fill && p.width_mm <= kThreadShare * s.line_width_mm;
-  };
-  if (std::none_of(layer.paths.begin(), layer.paths.end(), thin)) return false;
-  const double most = lean_mm(stack[i], s) + kTipMm;
-  return !quick_subtract(stack[i].regions, geom::offset(stack[i - 1].regions, from_mm(most))).empty();
-}
-
 }  // namespace
 
-geom::Regions cut_threads(std::vector<Path>& paths, const geom::Regions& ground, double line_width_mm) {
-  return Cutter(paths, ground, line_width_mm).run();
+geom::Regions cut_threads(std::vector<Path>& paths, const geom::Regions& ground, double widest_mm) {
+  return Cutter(paths, ground, widest_mm).run();
 }
 
 void cut_threads(std::span<LayerPlan> layers, const slice::LayerStack& stack,
-                 const std::vector<SupportAreas>& supports, const SliceSettings& settings,
-                 const run::Context& ctx) {
-  std::vector<geom::Regions> bare(layers.size());
-  const auto cut = [&](std::size_t i, const geom::Regions& missing) {
+                 const std::vector<SupportAreas>& supports, std::vector<geom::Regions>& bare,
+                 const SliceSettings& settings, const run::Context& ctx) {
+  std::vector<geom::Regions> cut_off(layers.size());
+  const double widest = widest_mm(settings);
+  const auto cut = [&](std::size_t i) {
     const std::size_t bearer = layer_below_gap(stack, i, settings.support_z_gap_mm);
     if (bearer >= supports.size()) return;  // the plate is as near as a support would be
-    append(bare[i], cut_threads(layers[i].paths, ground_of(i, stack, supports[bearer], missing, settings),
-                                settings.line_width_mm));
+    const geom::Regions where = hanging_chains(layers[i].paths, stack[i - 1].regions, bare[i - 1], widest);
+    if (where.empty()) return;
+    const geom::Regions ground = ground_of(i, where, stack, supports[bearer], bare[i - 1], settings);
+    append(cut_off[i], Cutter(layers[i].paths, ground, widest, &where).run());
   };
   run::parallel_for(ctx, layers.size(), [&](std::size_t i) {
-    if (i > 0 && may_hang(layers[i], i, stack, settings)) cut(i, {});
+    if (i > 0) cut(i);
   });
-  for (std::size_t i = 1; i < layers.size(); ++i)
-    if (!bare[i - 1].empty()) cut(i, geom::unite(geom::rings_of(bare[i - 1])));
+  for (std::size_t i = 1; i < layers.size(); ++i) {
+    if (cut_off[i - 1].empty()) continue;
+    bare[i - 1] = quick_unite(bare[i - 1], geom::unite(geom::rings_of(cut_off[i - 1])));
+    cut(i);
+  }
 }
 
 }  // namespace voidpath::toolpath

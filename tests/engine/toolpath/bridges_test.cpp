@@ -174,7 +174,7 @@ TEST_CASE("a loop whose seam hangs begins where it is held") {
     std::rotate(loop.points.begin(), loop.points.begin() + static_cast<std::ptrdiff_t>(seam),
                 loop.points.end());
     std::vector<toolpath::Path> paths{loop};
-    toolpath::mark_overhangs(paths, own, below, 0.45, speed);
+    toolpath::mark_overhangs(paths, own, below, {}, 0.45, speed);
     CAPTURE(seam);
     REQUIRE(paths.size() >= 2);
     CHECK(paths.front().role == Role::external_perimeter);

@@ -48,14 +48,14 @@ TEST_CASE("a wall is slowed by how much of its bead hangs over air") {
                         Case{1.01, 35, Role::overhang_perimeter}}) {
     CAPTURE(c.hanging);
     std::vector<toolpath::Path> paths{wall_beyond((c.hanging - 0.5) * 0.45)};
-    toolpath::mark_overhangs(paths, own, below, 0.45, s.speed);
+    toolpath::mark_overhangs(paths, own, below, {}, 0.45, s.speed);
     REQUIRE(paths.size() == 1);
     CHECK(paths[0].role == c.role);
     CHECK(toolpath::path_speed_mm_s(paths[0], 3, s) == c.speed);
   }
   s.speed.overhang_25 = s.speed.overhang_50 = 0;  // not slowed
   std::vector<toolpath::Path> paths{wall_beyond(0.2 * 0.45)};
-  toolpath::mark_overhangs(paths, own, below, 0.45, s.speed);
+  toolpath::mark_overhangs(paths, own, below, {}, 0.45, s.speed);
   CHECK(toolpath::path_speed_mm_s(paths[0], 3, s) == 40);
 }
 
@@ -69,7 +69,7 @@ TEST_CASE("a wall that leaves the layer below is cut where its bead hangs more, 
   const double before = length_mm(path);
   std::vector<toolpath::Path> paths{path};
   // Bands are crossed within a fraction of a millimetre here: too short to be stretches of their own.
-  toolpath::mark_overhangs(paths, own, below, 0.45, s.speed);
+  toolpath::mark_overhangs(paths, own, below, {}, 0.45, s.speed);
   REQUIRE(paths.size() == 2);
   CHECK(paths[0].role == Role::external_perimeter);
   CHECK(paths[1].role == Role::overhang_perimeter);
@@ -90,7 +90,7 @@ TEST_CASE("what is too thin below to have been printed carries no wall") {
     toolpath::Path path = wall_beyond(0);
     path.points = {{from_mm(55), from_mm(60)}, {from_mm(75), from_mm(60)}};
     std::vector<toolpath::Path> paths{path};
-    toolpath::mark_overhangs(paths, own, below, 0.45, s.speed);
+    toolpath::mark_overhangs(paths, own, below, {}, 0.45, s.speed);
     double hanging = 0;
     for (const auto& p : paths)
       if (p.role == Role::overhang_perimeter) hanging += length_mm(p);
@@ -170,7 +170,7 @@ TEST_CASE("a loop around a hole that hangs all round begins where it hangs least
                                              a.y + std::llround(turned * static_cast<double>(b.y - a.y))});
     loop.points.push_back(a);
     std::vector<toolpath::Path> paths{loop};
-    toolpath::mark_overhangs(paths, own, below, 0.45, speed);
+    toolpath::mark_overhangs(paths, own, below, {}, 0.45, speed);
     REQUIRE(!paths.empty());
     const geom::Point begin = paths.front().points.front();
     CAPTURE(turned);
@@ -179,4 +179,19 @@ TEST_CASE("a loop around a hole that hangs all round begins where it hangs least
     for (const auto& path : paths) length += length_mm(path);
     CHECK(length == Approx(6 * 3.0).epsilon(1e-4));
   }
+}
+
+TEST_CASE("a wall over what the layer below left bare hangs") {
+  const toolpath::SpeedSettings speed;
+  const geom::Regions below{rectangle(50, 50, 80, 80)}, own{rectangle(50, 50, 81, 80)};
+  const auto hanging_mm = [&](const geom::Regions& bare) {
+    std::vector<toolpath::Path> paths{wall_beyond(9.9)};
+    toolpath::mark_overhangs(paths, own, below, bare, 0.45, speed);
+    double out = 0;
+    for (const toolpath::Path& p : paths)
+      if (p.role == Role::overhang_perimeter) out += geom::length(p.points) / geom::kNmPerMm;
+    return out;
+  };
+  CHECK(hanging_mm({}) == 0);
+  CHECK(hanging_mm({rectangle(79, 58, 80, 62)}) == Approx(3.8).margin(0.1));
 }

@@ -24,7 +24,7 @@ Path thread(double x0, double x1, double width_mm = 0.2) {
 }
 
 const geom::Regions kGround{rectangle(0, 0, 10, 10)};
-constexpr double kWidthMm = 0.45;
+constexpr double kWidestMm = 0.34;
 
 /// How far material reaches in x, mm.
 double reach_mm(const std::vector<Path>& paths) {
@@ -48,29 +48,52 @@ slice::LayerStack fin_stack() {
 TEST_CASE("a thread over air is cut back to a tip beyond what holds it") {
   for (const bool turned : {false, true}) {
     std::vector<Path> paths{turned ? thread(13, 5) : thread(5, 13)};
-    CHECK(!toolpath::cut_threads(paths, kGround, kWidthMm).empty());
+    CHECK(!toolpath::cut_threads(paths, kGround, kWidestMm).empty());
     REQUIRE(paths.size() == 1);
     CHECK(reach_mm(paths) == Approx(10.3).margin(0.11));
   }
   std::vector<Path> short_tip{thread(5, 10.3)};
-  CHECK(toolpath::cut_threads(short_tip, kGround, kWidthMm).empty());
+  CHECK(toolpath::cut_threads(short_tip, kGround, kWidestMm).empty());
   CHECK(reach_mm(short_tip) == Approx(10.3));
 }
 
 TEST_CASE("threads in pieces are cut piece by piece, what hangs between two held ends stays") {
   std::vector<Path> paths{thread(5, 9), thread(9, 10.1, 0.22), thread(10.1, 11, 0.25), thread(11, 12, 0.2)};
-  toolpath::cut_threads(paths, kGround, kWidthMm);
+  toolpath::cut_threads(paths, kGround, kWidestMm);
   CHECK(reach_mm(paths) < 10.5);
   const geom::Regions two{rectangle(0, 0, 10, 10), rectangle(14, 0, 20, 10)};
   std::vector<Path> across{thread(5, 11), thread(11, 13), thread(13, 16)};
-  CHECK(toolpath::cut_threads(across, two, kWidthMm).empty());
+  CHECK(toolpath::cut_threads(across, two, kWidestMm).empty());
   CHECK(across.size() == 3);
 }
 
-TEST_CASE("what is as wide as a line stays, whatever holds it") {
+TEST_CASE("what is wider than asked for stays, whatever holds it") {
   std::vector<Path> paths{thread(5, 13, 0.4)};
-  CHECK(toolpath::cut_threads(paths, kGround, kWidthMm).empty());
+  CHECK(toolpath::cut_threads(paths, kGround, kWidestMm).empty());
   CHECK(reach_mm(paths) == Approx(13));
+}
+
+TEST_CASE("short stubs as wide as a line begin no place that is held; with support they are left out") {
+  // A strip 0.6 mm wide that juts out by 1 mm, above a foot that leaves support from the plate no room.
+  const auto stack = stack_of(8, 0.2, [](double z) {
+    geom::Regions out{rectangle(50, 50, z < 3 ? 65 : 60, 60)};
+    if (z > 5) out = geom::unite(out, {rectangle(60, 54, 61, 54.6)});
+    return out;
+  });
+  toolpath::PrintSettings s;
+  s.slice.skirt_loops = 0;
+  const auto reach = [&](toolpath::SupportMode mode, std::size_t i) {
+    s.slice.support = mode;
+    double out = 60;
+    const auto plan = toolpath::build(stack, s);
+    for (const Path& p : plan.layers[i].paths)
+      if (p.role == Role::gap_fill || p.role == Role::overhang_perimeter)
+        for (const geom::Point& q : p.points) out = std::max(out, geom::to_mm(q.x));
+    return out - 60;
+  };
+  CHECK(reach(toolpath::SupportMode::none, 25) > 0.6);
+  CHECK(reach(toolpath::SupportMode::plate, 25) < 0.55);
+  CHECK(reach(toolpath::SupportMode::plate, 30) > 0.6);
 }
 
 TEST_CASE("a fin too thin for a line grows out over air tip by tip, and is whole a few layers on") {

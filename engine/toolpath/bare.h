@@ -1,0 +1,15 @@
+#pragma once
+
+#include "engine/geom/polygon.h"
+#include "engine/toolpath/draft.h"
+#include "engine/toolpath/plan.h"
+
+#include <vector>
+
+namespace voidpath::toolpath {
+
+/// What a layer's paths leave bare of what the walls have no room in: the point of a spike, a web between two
+/// holes, for which a line of its own would be too short or too thin. It carries nothing.
+geom::Regions bare_parts(const LayerWalls& walls, const std::vector<Path>& paths);
+
+}  // namespace voidpath::toolpath

@@ -1,0 +1,63 @@
+#include "engine/toolpath/bare.h"
+
+#include "engine/toolpath/gap_lines.h"
+#include "tests/engine/toolpath/shapes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+using namespace voidpath;
+using namespace voidpath::test;
+using geom::from_mm;
+
+namespace {
+
+double area_mm2(const geom::Regions& r) { return geom::area(r) / (geom::kNmPerMm * geom::kNmPerMm); }
+
+struct Printed {
+  toolpath::LayerWalls walls;
+  std::vector<toolpath::Path> gap_lines;
+  geom::Regions bare;
+};
+
+Printed printed(const geom::Regions& outline) {
+  slice::Layer layer;
+  layer.span = {1.0, 1.2};
+  layer.regions = outline;
+  const toolpath::SliceSettings s;
+  Printed out;
+  out.walls = toolpath::draft_walls(layer, 5, s);
+  for (const auto& island : out.walls.islands) {
+    toolpath::add_gap_lines(out.gap_lines, island.gaps, out.walls.bead, s.resolution_mm);
+    toolpath::add_thin_lines(out.gap_lines, island.thin, out.walls.bead, s.resolution_mm);
+  }
+  out.bare = toolpath::bare_parts(out.walls, out.gap_lines);
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("what walls and gap lines cover is not bare, but for corners beside round ends") {
+  CHECK(printed({rectangle(50, 50, 70, 70)}).bare.empty());
+  CHECK(area_mm2(printed({rectangle(50, 50, 70, 50.6)}).bare) < 0.2);
+  CHECK(area_mm2(printed(geom::unite({rectangle(50, 50, 70, 70)}, {rectangle(70, 60, 76, 60.3)})).bare) <
+        0.1);
+}
+
+TEST_CASE("without its lines a web is bare, and only the web") {
+  Printed web = printed(geom::unite({rectangle(50, 50, 60, 70)}, {rectangle(60, 60, 66, 60.3)}));
+  REQUIRE(!web.gap_lines.empty());
+  const geom::Regions bare = toolpath::bare_parts(web.walls, {});
+  CHECK(area_mm2(bare) == Approx(6 * 0.3).epsilon(0.1));
+}
+
+TEST_CASE("a bump too short for a line of its own is bare") {
+  const Printed bump = printed(geom::unite({rectangle(50, 50, 70, 70)}, {rectangle(70, 60, 70.35, 60.24)}));
+  CHECK(bump.gap_lines.empty());
+  const auto box = geom::bounds(bump.bare);
+  REQUIRE(box.has_value());
+  CHECK(geom::to_mm(box->min.x) > 69.9);
+  CHECK(geom::to_mm(box->max.x) == Approx(70.35).margin(0.02));
+}
