@@ -106,108 +106,152 @@ std::vector<SupportAreas> find_supports_of_groups(const slice::LayerStack& stack
   return out;
 }
 
+/// A plan on its way: what each step leaves for the next.
+class Builder {
+ public:
+  Builder(const slice::LayerStack& cuts, const std::vector<LayerGroup>& groups, const PrintSettings& settings,
+          const run::Context& ctx)
+      : groups_(groups),
+        n_(groups.size()),
+        settings_(settings),
+        part_(settings),
+        ctx_(ctx),
+        walls_(n_),
+        dense_mm2_(n_) {
+    part_.slice = above_raft(settings.slice);
+    stack_ = outlines(cuts, slice(), ctx);
+    whole_ = n_ == stack_.size();
+  }
+
+  SampledPlan run() {
+    find_areas();
+    draft();
+    put_in_order();
+    mind_the_air();
+    for (std::size_t g = 0; g < n_; ++g) layer(g).outline = std::move(stack_[groups_[g].sample].regions);
+    for (Path& path : plan_.layers[0].paths) path.area_mm2 *= settings_.filament.first_layer_flow;
+    ctx_.progress("toolpaths", 1.0);
+    return {std::move(plan_), std::move(dense_mm2_)};
+  }
+
+ private:
+  const SliceSettings& slice() const { return part_.slice; }
+  std::size_t below() const { return raft_.layers.size(); }
+  LayerPlan& layer(std::size_t g) { return plan_.layers[below() + g]; }
+
+  /// Of every layer: walls, surfaces, supports, and how its areas are filled.
+  void find_areas() {
+    std::vector<geom::Regions> inner(stack_.size());
+    run::parallel_for(ctx_, n_, [&](std::size_t g) {
+      const std::size_t i = groups_[g].sample;
+      walls_[g] = draft_walls(stack_[i], i, slice());
+      inner[i] = inner_of(walls_[g]);
+    });
+    ctx_.progress("toolpaths", 0.3);
+    surfaces_ = find_surfaces(stack_, inner, slice(), ctx_);
+    ctx_.progress("toolpaths", 0.5);
+    supports_ = whole_ ? find_supports(stack_, surfaces_, slice(), ctx_)
+                       : find_supports_of_groups(stack_, groups_, inner, slice(), ctx_, dense_mm2_);
+    if (whole_) bridge_unheld(surfaces_, stack_, supports_, slice(), ctx_);
+    lightning_.resize(stack_.size());
+    if (slice().infill_pattern == InfillPattern::lightning)
+      lightning_ = lightning_lines(surfaces_, stack_, slice(), ctx_);
+    combine_infill(surfaces_, stack_, part_, ctx_);
+    directions_ = choose_directions(surfaces_, part_, ctx_);
+    ctx_.progress("toolpaths", 0.7);
+  }
+
+  /// Every layer's lines, the raft's first.
+  void draft() {
+    const geom::Regions footprint = quick_unite(stack_[0].regions, printed_area(supports_[0]));
+    raft_ = make_raft(footprint, settings_.slice);
+    drafts_.resize(below() + n_);
+    beads_.resize(below() + n_);
+    for (std::size_t k = 0; k < below(); ++k) {
+      drafts_[k].support = std::move(raft_.layers[k].lines);
+      beads_[k] = raft_.layers[k].bead;
+    }
+    run::parallel_for(ctx_, n_, [&](std::size_t g) {
+      const std::size_t i = groups_[g].sample;
+      beads_[below() + g] = walls_[g].bead;
+      drafts_[below() + g] = draft_layer(stack_[i], i, walls_[g], surfaces_[i], directions_[i], lightning_[i],
+                                         supports_[g], part_);
+    });
+    if (whole_ && slice().support != SupportMode::none && slice().support_style == SupportStyle::grid) {
+      std::vector<std::vector<Path>*> lines;
+      for (std::size_t i = 0; i < n_; ++i) lines.push_back(&drafts_[below() + i].support);
+      trim_support(lines, stack_, slice(), ctx_);
+    }
+    if (below() > 0) stand_on_raft(drafts_[below()].support, settings_.slice);
+    draft_adhesion(drafts_, beads_, stack_, supports_, footprint, raft_, slice());
+    ctx_.progress("toolpaths", 0.9);
+  }
+
+  void put_in_order() {
+    plan_.layers.resize(below() + n_);
+    Sequencer sequencer(part_, ctx_);
+    for (std::size_t k = 0; k < plan_.layers.size(); ++k) {
+      ctx_.check();
+      LayerPlan& layer = plan_.layers[k];
+      layer.paths = sequencer.order(std::move(drafts_[k]), beads_[k]);
+      if (k < below()) {
+        layer.span = raft_.layers[k].span;
+        layer.support = raft_.area;
+      } else {
+        layer.span = stack_[groups_[k - below()].sample].span;
+        layer.span.bottom_mm += raft_.lift_mm;
+        layer.span.top_mm += raft_.lift_mm;
+      }
+    }
+  }
+
+  /// What would hang is held, cut back, or told as an overhang.
+  void mind_the_air() {
+    std::vector<geom::Regions> bare(stack_.size());
+    if (whole_) {
+      run::parallel_for(ctx_, n_, [&](std::size_t i) {
+        const std::size_t bearer = i > 0 ? layer_below_gap(stack_, i, slice().support_z_gap_mm) : n_;
+        if (bearer < n_)
+          hold_tips(layer(i).paths, stack_[i].regions, stack_[i - 1].regions,
+                    printed_area(supports_[bearer]));
+        bare[i] = bare_parts(walls_[i], layer(i).paths);
+      });
+      cut_threads(std::span(plan_.layers).subspan(below()), stack_, supports_, bare, slice(), ctx_);
+    }
+    run::parallel_for(ctx_, n_, [&](std::size_t g) {
+      const std::size_t i = groups_[g].sample;
+      if (i > 0)
+        mark_overhangs(layer(g).paths, stack_[i].regions, stack_[i - 1].regions, bare[i - 1],
+                       beads_[below() + g].width_mm, settings_.speed);
+      layer(g).support = printed_area(supports_[g]);
+    });
+  }
+
+  const std::vector<LayerGroup>& groups_;
+  std::size_t n_;
+  const PrintSettings& settings_;
+  PrintSettings part_;  ///< of what lies above the raft
+  const run::Context& ctx_;
+  slice::LayerStack stack_;
+  bool whole_ = false;  ///< every layer is planned
+  std::vector<LayerWalls> walls_;
+  std::vector<Surfaces> surfaces_;
+  std::vector<SupportAreas> supports_;
+  std::vector<geom::Polylines> lightning_;
+  std::vector<FillDirections> directions_;
+  Raft raft_;
+  std::vector<LayerDraft> drafts_;  ///< the raft's first
+  std::vector<BeadSize> beads_;
+  Plan plan_;
+  std::vector<double> dense_mm2_;
+};
+
 }  // namespace
 
 SampledPlan build_samples(const slice::LayerStack& cuts, const std::vector<LayerGroup>& groups,
                           const PrintSettings& settings, const run::Context& ctx) {
-  SampledPlan out;
-  Plan& plan = out.plan;
-  const std::size_t n = groups.size();
-  out.dense_mm2.resize(n);
-  if (n == 0) return out;
-  PrintSettings part = settings;
-  part.slice = above_raft(settings.slice);
-  const SliceSettings& s = part.slice;
-  slice::LayerStack stack = outlines(cuts, s, ctx);
-
-  std::vector<LayerWalls> walls(n);
-  std::vector<geom::Regions> inner(stack.size());
-  run::parallel_for(ctx, n, [&](std::size_t g) {
-    const std::size_t i = groups[g].sample;
-    walls[g] = draft_walls(stack[i], i, s);
-    inner[i] = inner_of(walls[g]);
-  });
-  ctx.progress("toolpaths", 0.3);
-  std::vector<Surfaces> surfaces = find_surfaces(stack, inner, s, ctx);
-  ctx.progress("toolpaths", 0.5);
-  const std::vector<SupportAreas> supports =
-      n == stack.size() ? find_supports(stack, surfaces, s, ctx)
-                        : find_supports_of_groups(stack, groups, inner, s, ctx, out.dense_mm2);
-  if (n == stack.size()) bridge_unheld(surfaces, stack, supports, s, ctx);
-  std::vector<geom::Polylines> lightning(stack.size());
-  if (s.infill_pattern == InfillPattern::lightning) lightning = lightning_lines(surfaces, stack, s, ctx);
-  combine_infill(surfaces, stack, part, ctx);
-  const std::vector<FillDirections> directions = choose_directions(surfaces, part, ctx);
-  ctx.progress("toolpaths", 0.7);
-
-  const geom::Regions footprint = quick_unite(stack[0].regions, printed_area(supports[0]));
-  Raft raft = make_raft(footprint, settings.slice);
-  const std::size_t below = raft.layers.size();
-  std::vector<LayerDraft> drafts(below + n);
-  std::vector<BeadSize> beads(below + n);
-  for (std::size_t k = 0; k < below; ++k) {
-    drafts[k].support = std::move(raft.layers[k].lines);
-    beads[k] = raft.layers[k].bead;
-  }
-  run::parallel_for(ctx, n, [&](std::size_t g) {
-    const std::size_t i = groups[g].sample;
-    beads[below + g] = walls[g].bead;
-    drafts[below + g] = draft_layer(stack[i], i, std::move(walls[g]), surfaces[i], directions[i],
-                                    lightning[i], supports[g], part);
-  });
-  if (n == stack.size() && s.support != SupportMode::none && s.support_style == SupportStyle::grid) {
-    std::vector<std::vector<Path>*> lines;
-    for (std::size_t i = 0; i < n; ++i) lines.push_back(&drafts[below + i].support);
-    trim_support(lines, stack, s, ctx);
-  }
-  if (below > 0) stand_on_raft(drafts[below].support, settings.slice);
-  draft_adhesion(drafts, beads, stack, supports, footprint, raft, s);
-  ctx.progress("toolpaths", 0.9);
-
-  plan.layers.resize(below + n);
-  Sequencer sequencer(part, ctx);
-  for (std::size_t k = 0; k < below + n; ++k) {
-    ctx.check();
-    LayerPlan& layer = plan.layers[k];
-    layer.paths = sequencer.order(std::move(drafts[k]), beads[k]);
-    if (k < below) {
-      layer.span = raft.layers[k].span;
-      layer.support = raft.area;
-    } else {
-      layer.span = stack[groups[k - below].sample].span;
-      layer.span.bottom_mm += raft.lift_mm;
-      layer.span.top_mm += raft.lift_mm;
-    }
-  }
-  run::parallel_for(ctx, n, [&](std::size_t g) {
-    const std::size_t i = groups[g].sample;
-    LayerPlan& layer = plan.layers[below + g];
-    if (i > 0) {
-      const std::size_t bearer = layer_below_gap(stack, i, s.support_z_gap_mm);
-      if (n == stack.size() && bearer < n)
-        hold_tips(layer.paths, stack[i].regions, stack[i - 1].regions, printed_area(supports[bearer]));
-    }
-  });
-  std::vector<geom::Regions> bare(stack.size());
-  if (n == stack.size()) {
-    run::parallel_for(ctx, n,
-                      [&](std::size_t i) { bare[i] = bare_parts(walls[i], plan.layers[below + i].paths); });
-    cut_threads(std::span(plan.layers).subspan(below), stack, supports, bare, s, ctx);
-  }
-  run::parallel_for(ctx, n, [&](std::size_t g) {
-    const std::size_t i = groups[g].sample;
-    LayerPlan& layer = plan.layers[below + g];
-    if (i > 0) {
-      const double width = beads[below + g].width_mm;
-      mark_overhangs(layer.paths, stack[i].regions, stack[i - 1].regions, bare[i - 1], width, settings.speed);
-    }
-    layer.support = printed_area(supports[g]);
-  });
-  for (std::size_t g = 0; g < n; ++g)
-    plan.layers[below + g].outline = std::move(stack[groups[g].sample].regions);
-  for (Path& path : plan.layers[0].paths) path.area_mm2 *= settings.filament.first_layer_flow;
-  ctx.progress("toolpaths", 1.0);
-  return out;
+  if (groups.empty()) return {};
+  return Builder(cuts, groups, settings, ctx).run();
 }
 
 Plan build(const slice::LayerStack& cuts, const PrintSettings& settings, const run::Context& ctx) {

@@ -96,7 +96,7 @@ geom::Regions inner_of(const LayerWalls& walls) {
   return out;
 }
 
-LayerDraft draft_layer(const slice::Layer& layer, std::size_t index, LayerWalls&& walls,
+LayerDraft draft_layer(const slice::Layer& layer, std::size_t index, LayerWalls& walls,
                        const Surfaces& surfaces, const FillDirections& directions,
                        const geom::Polylines& lightning, const SupportAreas& support,
                        const PrintSettings& settings) {

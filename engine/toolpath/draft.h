@@ -39,9 +39,9 @@ LayerWalls draft_walls(const slice::Layer& layer, std::size_t index, const Slice
 /// All inner areas of the layer together.
 geom::Regions inner_of(const LayerWalls& walls);
 
-/// Lines for every area of the layer, handed to the islands they belong to. `lightning`: its sparse infill
-/// where that is the pattern.
-LayerDraft draft_layer(const slice::Layer& layer, std::size_t index, LayerWalls&& walls,
+/// Lines for every area of the layer, handed to the islands they belong to, which take the walls over and
+/// leave the rest of `walls` as it is. `lightning`: its sparse infill where that is the pattern.
+LayerDraft draft_layer(const slice::Layer& layer, std::size_t index, LayerWalls& walls,
                        const Surfaces& surfaces, const FillDirections& directions,
                        const geom::Polylines& lightning, const SupportAreas& support,
                        const PrintSettings& settings);
