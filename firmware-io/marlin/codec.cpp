@@ -1,6 +1,7 @@
 #include "firmware-io/marlin/codec.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <charconv>
 
@@ -10,9 +11,15 @@ namespace {
 // A printer's longest honest line (M115) has some 300 characters; noise without newlines must not pile up.
 constexpr std::size_t kMaxReply = 4096;
 
-bool allowed(char c) noexcept {
-  return c >= 0x20 && c <= 0x7E && c != ';' && c != '*' && c != '\\' && c != '(' && c != ')';
+constexpr std::array<bool, 256> make_allowed() {
+  std::array<bool, 256> table{};
+  for (unsigned char c = 0x20; c <= 0x7E; ++c)
+    table[c] = c != ';' && c != '*' && c != '\\' && c != '(' && c != ')';
+  return table;
 }
+constexpr auto kAllowed = make_allowed();
+
+bool allowed(char c) noexcept { return kAllowed[static_cast<unsigned char>(c)]; }
 
 // `N`, a number, perhaps a blank, the payload with or without its blanks, `*`, the sum of all that, newline.
 template <bool kDense>
@@ -93,10 +100,11 @@ std::string sanitise(std::string_view raw) {
   const auto first = raw.find_first_not_of(" \t\r\n\v\f");
   if (first == std::string_view::npos) return {};
   raw.remove_prefix(first);
-  const std::string bare = carries_text(raw) ? std::string(raw) : without_parentheses(raw);
+  std::string bare;
+  if (raw.find('(') != raw.npos && !carries_text(raw)) raw = bare = without_parentheses(raw);
   std::string out;
-  out.reserve(bare.size());
-  for (const char c : bare) {
+  out.reserve(raw.size());
+  for (const char c : raw) {
     const char shown = c == '\t' ? ' ' : c;
     if (allowed(shown) && !(out.empty() && shown == ' ')) out += shown;
   }
@@ -110,19 +118,23 @@ bool is_clean(std::string_view payload) noexcept {
 }
 
 bool LineSplitter::next(std::string& line) {
-  while (true) {
-    auto end = buffer_.find('\n', start_);
-    if (end == std::string::npos) {
-      buffer_.erase(0, start_);
-      start_ = 0;
-      if (buffer_.size() > kMaxReply) buffer_.clear();
-      return false;
+  bool blank = true;
+  line.clear();
+  for (std::size_t i = start_; i < buffer_.size(); ++i) {
+    const char c = buffer_[i];
+    if (c == '\n') {
+      start_ = i + 1;
+      if (!blank) return true;
+      line.clear();
+    } else if (c != '\0' && c != '\r') {
+      line += c;
+      blank = blank && c == ' ';
     }
-    line.assign(buffer_, start_, end - start_);
-    start_ = end + 1;
-    std::erase_if(line, [](char c) { return c == '\0' || c == '\r'; });
-    if (line.find_first_not_of(' ') != std::string::npos) return true;
   }
+  buffer_.erase(0, start_);
+  start_ = 0;
+  if (buffer_.size() > kMaxReply) buffer_.clear();
+  return false;
 }
 
 }  // namespace voidpath::fw::marlin

@@ -69,6 +69,7 @@ bool is_pause(std::string_view command) noexcept {
 
 bool sets_line_number(std::string_view command) {
   if (first_word(command) == Word{'M', 110}) return true;
+  if (command.find('M') == command.npos) return false;
   std::string bare(command);
   std::erase(bare, ' ');
   return bare.find("M110") != bare.npos;

@@ -54,8 +54,8 @@ void sleep_s(double seconds, int fd) {
 
 int stream_bare(const std::string& port, int baud, const std::string& file, int window, bool rest) {
   const Frames frames = frames_of(file);
-  const auto transport = fw::open_serial_port(port, baud > 0 ? baud : 1000000, true);
-  const double byte_s = baud > 0 ? kBitsPerByte / baud : 0;
+  const auto transport = fw::open_serial_port(port, baud, true);
+  const double byte_s = kBitsPerByte / baud;
   std::array<char, 4096> buffer;
   sleep_s(kBoot_s, -1);
   while (transport->read(buffer) > 0) {

@@ -45,7 +45,7 @@ struct Progress {
 fw::PortOptions options(const std::string& port, int baud, bool meatpack) {
   fw::PortOptions o;
   o.port = port;
-  o.baud = baud > 0 ? baud : 1000000;
+  o.baud = baud;
   o.meatpack = meatpack;
   o.boot_wait_s = 0.05;
   return o;
