@@ -3,6 +3,7 @@
 #include "engine/geom/area_grid.h"
 #include "engine/geom/polygon_ops.h"
 #include "engine/run/parallel_for.h"
+#include "engine/toolpath/held_pieces.h"
 #include "engine/toolpath/line_index.h"
 #include "engine/toolpath/region_ops.h"
 #include "engine/toolpath/support_borders.h"
@@ -84,10 +85,10 @@ void each_segment(std::span<const Path> paths, Visit&& visit) {
 class Carrier {
  public:
   /// `part`: what support may stand on, or null.
-  Carrier(const std::vector<Path>& below, const geom::Regions* part, double lean_mm, double apart_mm,
-          const geom::Box& box)
-      : lean_(lean_mm * geom::kNmPerMm),
-        dense_lean_(lean_ + kDenseTipShare * apart_mm * geom::kNmPerMm),
+  Carrier(const std::vector<Path>& below, const geom::Regions* part, double lean_mm, double half_line_mm,
+          double apart_mm, const geom::Box& box)
+      : lean_((lean_mm + half_line_mm) * geom::kNmPerMm),
+        dense_lean_(std::max(lean_, (kDenseTipShare * apart_mm + half_line_mm) * geom::kNmPerMm)),
         between_(kBetweenShare * apart_mm * geom::kNmPerMm),
         index_(grown(box, from_mm(apart_mm)), from_mm(1.0)) {
     const geom::Box near = grown(box, from_mm(apart_mm));
@@ -124,12 +125,6 @@ class Carrier {
   std::optional<geom::AreaGrid> part_;
 };
 
-/// A stretch of a line that is carried or not.
-struct Stretch {
-  Polyline points;
-  bool held = false;
-};
-
 std::vector<Stretch> stretches_of(const Polyline& line, const Carrier& carrier, bool dense) {
   std::vector<Stretch> out;
   for (std::size_t k = 1; k < line.size(); ++k) {
@@ -146,41 +141,6 @@ std::vector<Stretch> stretches_of(const Polyline& line, const Carrier& carrier, 
         out.push_back({{j == 0 ? a : at(static_cast<double>(j) / n)}, held});
       out.back().points.push_back(j + 1 == n ? b : at(static_cast<double>(j + 1) / n));
     }
-  }
-  return out;
-}
-
-/// The pieces of a line that are carried, joined over the stretches that hang between two held places.
-/// A closed line's first and last stretch are one.
-std::vector<Polyline> held_pieces(std::vector<Stretch>&& stretches, bool closed, double tip_mm,
-                                  double span_mm) {
-  std::vector<Polyline> out;
-  if (std::none_of(stretches.begin(), stretches.end(), [](const Stretch& s) { return s.held; })) return out;
-  if (closed && !stretches.front().held) {
-    // Begins with what is held.
-    Stretch first = std::move(stretches.front());
-    stretches.erase(stretches.begin());
-    if (!stretches.back().held)
-      stretches.back().points.insert(stretches.back().points.end(), first.points.begin() + 1,
-                                     first.points.end());
-    else
-      stretches.push_back(std::move(first));
-  }
-  const std::size_t n = stretches.size();
-  bool open = false;  // the last piece goes on
-  for (std::size_t k = 0; k < n; ++k) {
-    Stretch& s = stretches[k];
-    const bool end = (k == 0 || k + 1 == n) && !closed;
-    const double limit = s.held ? 0 : (end ? tip_mm : span_mm) * geom::kNmPerMm;
-    if (!s.held && geom::length(s.points) > limit) {
-      open = false;
-      continue;
-    }
-    if (open)
-      out.back().insert(out.back().end(), s.points.begin() + 1, s.points.end());
-    else
-      out.push_back(std::move(s.points));
-    open = true;
   }
   return out;
 }
@@ -246,8 +206,8 @@ class Trimmer {
     const std::size_t bearer = layer_below_gap(stack_, i, settings_.support_z_gap_mm);
     const double lean =
         std::max(slope_ * stack_[i].span.height_mm(), kCarriedShare * settings_.line_width_mm) + kLineErrorMm;
-    const Carrier carrier(below, bearer < stack_.size() ? &stack_[bearer].regions : nullptr,
-                          lean + 0.5 * settings_.line_width_mm, apart_mm_, *box);
+    const Carrier carrier(below, bearer < stack_.size() ? &stack_[bearer].regions : nullptr, lean,
+                          0.5 * settings_.line_width_mm, apart_mm_, *box);
     for (std::size_t k = 0; k < own.size(); ++k)
       if (in_question[k]) cuts[k] = carried(own[k], carrier);
   }
@@ -291,7 +251,7 @@ class Trimmer {
     const bool anywhere = !path.closed || hanging < kTipMm * geom::kNmPerMm;
     std::vector<Polyline> pieces = held_pieces(std::move(stretches), path.closed, kTipMm, apart_mm_);
     for (const Polyline& p : pieces) kept += geom::length(p);
-    if (anywhere && pieces.size() == 1 && kept > all - 1.0) return std::nullopt;
+    if (anywhere && pieces.size() == 1 && kept > all - kTipMm * geom::kNmPerMm) return std::nullopt;
     std::vector<Path> out;
     for (Polyline& p : pieces) {
       if (geom::length(p) < kLeastPieceMm * geom::kNmPerMm) continue;

@@ -123,3 +123,25 @@ TEST_CASE("what stood on what was cut is cut as well, layer for layer, and nothi
     }
   }
 }
+
+TEST_CASE("a loop around the end of a line begins and ends on it") {
+  // As where a column has just become wide enough for a border: below lies one line down its middle.
+  const std::vector<Path> middle{strand({{0, 0}, {0, 4.2}})};
+  std::vector<std::pair<double, double>> corners{{0.3, -0.5}, {0.3, 4.7}, {-0.3, 4.7}, {-0.3, -0.5}};
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const auto left = trimmed({strand(corners, true)}, middle);
+    REQUIRE(left.size() == 1);
+    CHECK(length_mm(left) == Approx(11.6));
+    for (const geom::Point& end : {left[0].points.front(), left[0].points.back()}) {
+      CHECK(geom::to_mm(end.y) > 0.1);
+      CHECK(geom::to_mm(end.y) < 4.1);
+    }
+    std::rotate(corners.begin(), corners.begin() + 1, corners.end());
+  }
+}
+
+TEST_CASE("dense lines may go on beyond the last line as far as half way to where the next one would be") {
+  const auto left = trimmed({strand({{1, 4.5}, {19, 4.5}}, false, Role::support_interface)}, kRows);
+  CHECK(left.empty());
+  CHECK(trimmed({strand({{1, 4.2}, {19, 4.2}}, false, Role::support_interface)}, kRows).size() == 1);
+}
