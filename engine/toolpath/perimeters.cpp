@@ -125,7 +125,8 @@ Perimeters make_perimeters(const geom::Region& outline, int count, const BeadSiz
     area = geom::offset(centre, -from_mm(0.5 * spacing));
   }
   if (area.empty()) return out;
-  const double least = count > 0 ? kMaxGapSpacings * spacing : min_spacing;
+  // Without walls lines keep half a width inside the outline.
+  const double least = count > 0 ? kMaxGapSpacings * spacing : bead.width_mm;
   out.inner = geom::open(area, std::max<geom::Coord>(from_mm(0.5 * least) - kOffsetSlack, 0));
   collect_gaps(out.gaps, area, out.inner, bead);
   return out;

@@ -20,10 +20,12 @@ using geom::Regions;
 constexpr double kMinColumnMm2 = 2.0;
 /// Support may be this much coarser than the part, mm: it keeps the xy gap anyway.
 constexpr double kColumnToleranceMm = 0.05;
-/// Columns lean out no further than this, whatever the part may, degrees from vertical.
+/// Support leans out no further than this, whatever the part may, degrees from vertical.
 constexpr double kMostLeanDeg = 60;
 /// A line is carried by one beside it below that it overlaps by so much of its width.
 constexpr double kCarriedShare = 0.25;
+/// Lines may leave their column's border by this, mm, since they are simplified: it leans out so much less.
+constexpr double kLineErrorMm = 0.03;
 constexpr double kMm2 = geom::kNmPerMm * geom::kNmPerMm;
 
 /// The part of a column that has room and can stand. What is as it was in the layer above stands.
@@ -92,7 +94,6 @@ class Builder {
         task_(task),
         settings_(s),
         ctx_(ctx),
-        slope_(std::tan(std::clamp(s.support_angle_deg, 0.0, kMostLeanDeg) * std::numbers::pi / 180)),
         contact_(s.support == SupportMode::plate ? above_plate(task, ctx) : task.contact),
         columns_(contact_.size()),
         carried_(contact_.size(), 1) {}
@@ -146,7 +147,7 @@ class Builder {
   Stand stand_of(std::size_t i) const {
     const std::size_t bearer = layer_below_gap(stack_, i, settings_.support_z_gap_mm);
     return {columns_[i], columns_[i - 1], bearer < stack_.size() ? &stack_[bearer].regions : nullptr,
-            from_mm(std::max(slope_ * stack_[i].span.height_mm(), kCarriedShare * settings_.line_width_mm))};
+            from_mm(support_lean_mm(settings_, stack_[i].span.height_mm()) - kLineErrorMm)};
   }
 
   /// From the plate up: the column without what nothing below carries; beside a part, room begins above it
@@ -165,13 +166,17 @@ class Builder {
   const SupportTask& task_;
   const SliceSettings& settings_;
   const run::Context& ctx_;
-  double slope_;
   std::vector<Regions> contact_;
   std::vector<Regions> columns_;
   std::vector<char> carried_;  ///< by the column below as it was grown
 };
 
 }  // namespace
+
+double support_lean_mm(const SliceSettings& settings, double height_mm) {
+  const double angle = std::clamp(settings.support_angle_deg, 0.0, kMostLeanDeg) * std::numbers::pi / 180;
+  return std::max(height_mm * std::tan(angle), kCarriedShare * settings.line_width_mm);
+}
 
 std::vector<SupportAreas> support_columns(const slice::LayerStack& stack, const SupportTask& task,
                                           const SliceSettings& settings, const run::Context& ctx) {

@@ -7,6 +7,7 @@
 #include "engine/toolpath/line_index.h"
 #include "engine/toolpath/region_ops.h"
 #include "engine/toolpath/support_borders.h"
+#include "engine/toolpath/support_columns.h"
 #include "engine/toolpath/support_task.h"
 
 #include <algorithm>
@@ -30,22 +31,24 @@ using geom::Polyline;
 constexpr double kSampleMm = 0.2;
 /// The tip of a line may stick out by this, mm: about its own width.
 constexpr double kTipMm = 0.4;
-/// Dense lines may stick out by this share of what sparse lines are apart.
+/// Between two held places a line may hang over this share of what sparse lines are apart: it is looked at
+/// here and there.
+constexpr double kSpanShare = 0.95;
+/// Dense lines may stick out by this share of it.
 constexpr double kDenseTipShare = 0.5;
 /// Pieces shorter than this hold nothing, mm.
 constexpr double kLeastPieceMm = 0.6;
 /// Between two lines is what no disc reaches whose radius is this share of their distance.
 constexpr double kBetweenShare = 0.68;
-/// Such discs are laid beside a place in this many directions...
-constexpr int kDiscs = 16;
-/// ...and reach over it by this, mm.
+/// Such discs are laid over a place with their middles beside it in so many directions, so far away as a
+/// share of their radius...
+struct Discs {
+  double away;
+  int directions;
+};
+constexpr Discs kDiscs[] = {{1.0, 16}, {0.65, 10}, {0.3, 5}};
+/// ...and reach over it by this at least, mm.
 constexpr double kTouchMm = 0.05;
-/// A line is carried by one beside it below that it overlaps by so much of its width.
-constexpr double kCarriedShare = 0.25;
-/// Support leans out no further than this, degrees from vertical...
-constexpr double kMostLeanDeg = 60;
-/// ...and lines may leave their border by this, mm, since they are simplified.
-constexpr double kLineErrorMm = 0.03;
 
 struct Segment {
   Point a, b;
@@ -112,11 +115,12 @@ class Carrier {
   /// Whether every disc that reaches over p touches a line.
   bool enclosed(const Point& p) const {
     const double reach = between_ - kTouchMm * geom::kNmPerMm;
-    for (int k = 0; k < kDiscs; ++k) {
-      const double a = 2 * std::numbers::pi * k / kDiscs;
-      const Point q{p.x + std::llround(reach * std::cos(a)), p.y + std::llround(reach * std::sin(a))};
-      if (!index_.reaches(q, reach)) return false;
-    }
+    for (const Discs& discs : kDiscs)
+      for (int k = 0; k < discs.directions; ++k) {
+        const double a = 2 * std::numbers::pi * k / discs.directions, away = discs.away * reach;
+        const Point q{p.x + std::llround(away * std::cos(a)), p.y + std::llround(away * std::sin(a))};
+        if (!index_.reaches(q, reach)) return false;
+      }
     return true;
   }
 
@@ -178,10 +182,7 @@ std::vector<Path> cut(std::vector<Path>&& lines, Cuts&& cuts) {
 class Trimmer {
  public:
   Trimmer(const slice::LayerStack& stack, const SliceSettings& s)
-      : stack_(stack),
-        settings_(s),
-        apart_mm_(support_line_distance_mm(s, s.support_density)),
-        slope_(std::tan(std::clamp(s.support_angle_deg, 0.0, kMostLeanDeg) * std::numbers::pi / 180)) {}
+      : stack_(stack), settings_(s), apart_mm_(support_line_distance_mm(s, s.support_density)) {}
 
   /// Looks at the lines of layer i that lie in `where`, or at all.
   void trim(const std::vector<Path>& own, const std::vector<Path>& below, std::size_t i, const Boxes* where,
@@ -204,8 +205,7 @@ class Trimmer {
       }
     if (!box) return;
     const std::size_t bearer = layer_below_gap(stack_, i, settings_.support_z_gap_mm);
-    const double lean =
-        std::max(slope_ * stack_[i].span.height_mm(), kCarriedShare * settings_.line_width_mm) + kLineErrorMm;
+    const double lean = support_lean_mm(settings_, stack_[i].span.height_mm());
     const Carrier carrier(below, bearer < stack_.size() ? &stack_[bearer].regions : nullptr, lean,
                           0.5 * settings_.line_width_mm, apart_mm_, *box);
     for (std::size_t k = 0; k < own.size(); ++k)
@@ -249,7 +249,8 @@ class Trimmer {
     }
     // A loop that hangs somewhere must begin where it is held, and not where it is reached best.
     const bool anywhere = !path.closed || hanging < kTipMm * geom::kNmPerMm;
-    std::vector<Polyline> pieces = held_pieces(std::move(stretches), path.closed, kTipMm, apart_mm_);
+    std::vector<Polyline> pieces =
+        held_pieces(std::move(stretches), path.closed, kTipMm, kSpanShare * apart_mm_);
     for (const Polyline& p : pieces) kept += geom::length(p);
     if (anywhere && pieces.size() == 1 && kept > all - kTipMm * geom::kNmPerMm) return std::nullopt;
     std::vector<Path> out;
@@ -266,7 +267,6 @@ class Trimmer {
   const slice::LayerStack& stack_;
   const SliceSettings& settings_;
   double apart_mm_;
-  double slope_;
 };
 
 }  // namespace

@@ -15,6 +15,8 @@ namespace {
 constexpr double kBranchWidening = 0.3;
 /// No place that is to be held is further from a tip than this share of what tips are apart.
 constexpr double kTipShare = 0.65;
+/// Distances between pixels are kept in floats, mm.
+constexpr double kRounding = 1e-5;
 /// Of the extruded volume, as a share.
 constexpr double kVolumeError = 0.02;
 
@@ -112,7 +114,7 @@ std::vector<Excess> excesses(const Findings& f, const Bounds& bounds) {
   std::vector<Excess> out;
   for (const std::string& complaint : f.complaints) out.push_back({complaint, 0, 0, ""});
   const auto within = [&](const char* name, const Worst& found, double limit) {
-    if (!(found.value <= limit)) out.push_back({name, found.value, limit, found.where});
+    if (!(found.value <= limit + kRounding)) out.push_back({name, found.value, limit, found.where});
   };
   within("outside", f.outside, outside_limit(f));
   within("uncovered", f.uncovered, 1);

@@ -1,8 +1,10 @@
 #include "engine/toolpath/trim_support.h"
 
+#include "engine/toolpath/support_columns.h"
 #include "tests/engine/toolpath/shapes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -144,4 +146,27 @@ TEST_CASE("dense lines may go on beyond the last line as far as half way to wher
   const auto left = trimmed({strand({{1, 4.5}, {19, 4.5}}, false, Role::support_interface)}, kRows);
   CHECK(left.empty());
   CHECK(trimmed({strand({{1, 4.2}, {19, 4.2}}, false, Role::support_interface)}, kRows).size() == 1);
+}
+
+TEST_CASE("lines lean out as far as the angle allows, and no further") {
+  const toolpath::SliceSettings s;
+  const double most = toolpath::support_lean_mm(s, 0.2) + 0.5 * s.line_width_mm;
+  const auto beside = [&](double by) { return trimmed({strand({{1, -by}, {19, -by}})}, kRows).size(); };
+  CHECK(beside(most - 0.01) == 1);
+  CHECK(beside(most + 0.01) == 0);
+}
+
+TEST_CASE("a pocket among lines that one disc has room in is not between them") {
+  // A triangle around a circle larger than what lies between two lines: near its middle no line carries.
+  std::vector<Path> walls;
+  for (int k = 0; k < 3; ++k) {
+    const double a = 2 * 3.14159265 * k / 3, r = 2.2, half = 6;
+    const double x = r * std::cos(a), y = r * std::sin(a);
+    walls.push_back(strand({{x - half * std::sin(a), y + half * std::cos(a)},
+                            {x + half * std::sin(a), y - half * std::cos(a)}}));
+  }
+  const Path across = strand({{-4, 0.1}, {2.2, 0.1}});
+  double hanging = 4;
+  for (const Path& p : trimmed({across}, walls)) hanging = std::min(hanging, 6.2 - length_mm({p}));
+  CHECK(hanging > 1.5);
 }

@@ -45,6 +45,21 @@ TEST_CASE("walls lie half a bead inside the outline and one spacing apart") {
   CHECK(geom::to_mm(geom::bounds(p.inner)->min.x) == Approx(0.225 + 2.5 * bead.spacing_mm()).margin(0.003));
 }
 
+TEST_CASE("without walls, a strip of any width is printed: filled, or as a line") {
+  auto s = bare_settings();
+  s.slice.perimeters = 0;
+  s.slice.infill_density = 1;
+  for (const double width : {0.15, 0.25, 0.35, 0.38, 0.41, 0.44, 0.46, 0.6, 1.0}) {
+    const auto plan = toolpath::build(box_stack(width, 8, 1), s);
+    CAPTURE(width);
+    for (std::size_t i = 1; i < plan.layers.size(); ++i) {
+      double length = 0;
+      for (const auto& path : plan.layers[i].paths) length += length_mm(path);
+      CHECK(length > 6);
+    }
+  }
+}
+
 TEST_CASE("beads never leave the outline") {
   auto s = bare_settings();
   for (const auto& stack : {cup_stack(30, 4, 1.7, 1), cone_stack(15, 6, 2), arch_stack(20, 10, 6, 2, 4)}) {
