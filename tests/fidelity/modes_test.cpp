@@ -52,11 +52,12 @@ TEST_CASE("each way of slicing prints the part, layer by layer") {
 
 TEST_CASE("compensation that was asked for is there, and none that was not") {
   const auto with = [](const char* name) { return sliced(drilled(), options_for(mode(name).set)); };
-  // Walls lie on their outline: a tenth of the compensation, in the mean.
+  // Walls lie on their outline, in the mean to a third of the least compensation; of a border that runs along
+  // the pixels half of one may be lost.
   for (const char* name : {"larger", "smaller, wider holes", "elephant foot"}) {
     const Findings f = checked(with(name));
     INFO(told(name, f));
-    CHECK(f.inset.value <= 0.06);
+    CHECK(f.inset.value <= 0.05 + 0.5 * f.pixel);
   }
   Sliced larger = with("larger"), smaller = with("smaller, wider holes"), foot = with("elephant foot");
   larger.rules.outer_growth = 0;
