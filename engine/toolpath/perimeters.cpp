@@ -125,8 +125,9 @@ Perimeters make_perimeters(const geom::Region& outline, int count, const BeadSiz
     area = geom::offset(centre, -from_mm(0.5 * spacing));
   }
   if (area.empty()) return out;
-  // Without walls lines keep half a width inside the outline.
-  const double least = count > 0 ? kMaxGapSpacings * spacing : bead.width_mm;
+  // Without walls the fill's lines keep half a width inside the outline: none may fit a strip narrower than
+  // this.
+  const double least = count > 0 ? kMaxGapSpacings * spacing : bead.width_mm + spacing;
   out.inner = geom::open(area, std::max<geom::Coord>(from_mm(0.5 * least) - kOffsetSlack, 0));
   collect_gaps(out.gaps, area, out.inner, bead);
   return out;

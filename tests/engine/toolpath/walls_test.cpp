@@ -53,9 +53,30 @@ TEST_CASE("without walls, a strip of any width is printed: filled, or as a line"
     const auto plan = toolpath::build(box_stack(width, 8, 1), s);
     CAPTURE(width);
     for (std::size_t i = 1; i < plan.layers.size(); ++i) {
+      CAPTURE(i);
       double length = 0;
       for (const auto& path : plan.layers[i].paths) length += length_mm(path);
       CHECK(length > 6);
+    }
+  }
+}
+
+TEST_CASE("without walls, a strip beside a wide area is printed as well") {
+  auto s = bare_settings();
+  s.slice.perimeters = 0;
+  s.slice.infill_density = 1;
+  for (const double width : {0.5, 0.6, 0.7, 0.8, 0.9}) {
+    const auto stack = stack_of(1, 0.2, [&](double) {
+      return geom::unite({rectangle(50, 50, 57.3, 60).outer, rectangle(50, 60, 50 + width, 68).outer,
+                          rectangle(57.3, 50, 65, 50 + width).outer});
+    });
+    const auto plan = toolpath::build(stack, s);
+    CAPTURE(width);
+    for (std::size_t i = 1; i < plan.layers.size(); ++i) {
+      const auto beads = covered(plan.layers[i], [](const toolpath::Path&) { return true; });
+      const auto bare = geom::subtract(stack[i].regions, beads);
+      CAPTURE(i);
+      CHECK(geom::open(bare, from_mm(0.2)).empty());
     }
   }
 }
