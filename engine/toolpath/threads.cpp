@@ -40,8 +40,9 @@ constexpr double kTipMm = kTipSteps * kStepMm;
 constexpr double kBesideBareMm = 0.5;
 /// What carries a line is looked for this far around it, mm.
 constexpr double kAroundMm = 2.0;
-/// What a cut leaves of a thread's own end is thinner than twice this, mm.
-constexpr double kSliverMm = 0.04;
+/// What is thinner than twice this, mm, gets no line, and is no more than what a cut leaves of a thread's
+/// end.
+constexpr double kSliverMm = 0.045;
 /// What a thread leaves bare is wider than it by this, mm: nothing of it is left beside.
 constexpr double kBareMarginMm = 0.4;
 
@@ -99,6 +100,7 @@ class Cutter {
     Polyline points = fine(line);
     const auto held = std::find_if(points.begin(), points.end(), [&](const Point& p) { return is_held(p); });
     if (held != points.end() && held - points.begin() <= kTipSteps + 1) return false;
+    if (held == points.end() && at_[key(line.back())] == 1) return shorten(path);
     --at_[key(line.front())];
     if (held == points.end()) {
       --at_[key(line.back())];
@@ -110,6 +112,26 @@ class Cutter {
     leave({points.begin(), first + 1}, path.width_mm);
     line.assign(first, points.end());
     ++at_[key(line.front())];
+    return true;
+  }
+
+  /// Of a line that hangs whole stays a tip in its middle, for the layers above to go on from.
+  bool shorten(Path& path) {
+    Polyline& line = path.points;
+    const double length = geom::length(line) / geom::kNmPerMm;
+    if (length <= kTipMm + kStepMm) return false;
+    Polyline points = fine(line);
+    const auto n = static_cast<std::ptrdiff_t>(points.size());
+    const std::ptrdiff_t first = std::max<std::ptrdiff_t>((n - 1 - kTipSteps) / 2, 0);
+    const std::ptrdiff_t last = std::min(first + kTipSteps, n - 1);
+    // As in cut(), what is left bare reaches a little over both ends of the tip.
+    if (first > kTipSteps) leave({points.begin(), points.begin() + first - kTipSteps + 1}, path.width_mm);
+    if (last + kTipSteps < n - 1) leave({points.begin() + last + kTipSteps, points.end()}, path.width_mm);
+    --at_[key(line.front())];
+    --at_[key(line.back())];
+    line.assign(points.begin() + first, points.begin() + last + 1);
+    ++at_[key(line.front())];
+    ++at_[key(line.back())];
     return true;
   }
 
@@ -141,7 +163,9 @@ geom::Regions hanging_chains(const std::vector<Path>& paths, const geom::Regions
   const auto hangs = [&](const Point& p) {
     if (!bare.empty() && !near_box(bare, grown({p, p}, from_mm(kBesideBareMm))).empty()) return true;
     if (!grid) grid.emplace(below);
-    return !grid->contains(p);
+    const geom::Coord d = from_mm(kSliverMm);
+    return !grid->contains({p.x - d, p.y - d}, {p.x + d, p.y + d}) ||
+           !grid->contains({p.x - d, p.y + d}, {p.x + d, p.y - d});
   };
   std::multimap<std::pair<geom::Coord, geom::Coord>, const Path*> at;
   std::vector<const Path*> found;
@@ -168,7 +192,7 @@ geom::Regions hanging_chains(const std::vector<Path>& paths, const geom::Regions
 geom::Regions ground_of(std::size_t i, const geom::Regions& where, const slice::LayerStack& stack,
                         const SupportAreas& support, const geom::Regions& missing, const SliceSettings& s) {
   geom::Regions over = quick_intersect(stack[i - 1].regions, where);  // no gap of the part's own
-  geom::Regions out = missing.empty() ? over : geom::open(quick_subtract(over, missing), from_mm(kSliverMm));
+  geom::Regions out = geom::open(quick_subtract(over, missing), from_mm(kSliverMm));
   const slice::LayerSpan& span = stack[i].span;
   const double no_room = 2 * s.support_z_gap_mm + span.height_mm() - kStepMm;
   for (std::size_t j = i - 1; j-- > 0 && span.bottom_mm - stack[j].span.top_mm < no_room;) {

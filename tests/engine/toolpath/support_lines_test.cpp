@@ -55,3 +55,19 @@ TEST_CASE("a floor for borders reaches to its own border all around") {
     CHECK(geom::area(geom::subtract(rim, geom::offset(printed(paths), from_mm(0.06)))) < 1e-9);
   }
 }
+
+TEST_CASE("dense lines reach from border to border: what lies on them ends where they do") {
+  const toolpath::SliceSettings s;
+  const toolpath::BeadSize bead = toolpath::bead_of_layer(s, 1, 0.2);
+  for (int shift = 0; shift < 12; ++shift)
+    for (const double width : {1.3, 2.6, 5.1}) {
+      const double x = 40 + 0.05 * shift;
+      toolpath::SupportAreas areas;
+      areas.interface = {rectangle(x, 30, x + width, 36)};
+      const auto box = geom::bounds(printed(toolpath::support_lines(areas, 3, bead, s)));
+      INFO("at " << x << ", " << width << " wide");
+      REQUIRE(box.has_value());
+      CHECK(geom::to_mm(box->min.x) == Approx(x).margin(0.02));
+      CHECK(geom::to_mm(box->max.x) == Approx(x + width).margin(0.02));
+    }
+}

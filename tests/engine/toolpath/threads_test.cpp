@@ -113,3 +113,12 @@ TEST_CASE("a fin too thin for a line grows out over air tip by tip, and is whole
   CHECK(fin_mm(35) > 1.2);
   for (std::size_t i = 26; i < 36; ++i) CHECK(fin_mm(i) <= fin_mm(i - 1) + 0.65);
 }
+
+TEST_CASE("of a line that hangs whole stays a tip in its middle; a shorter one stays") {
+  std::vector<Path> paths{thread(12, 14, 0.2), thread(16, 16.35, 0.2)};
+  CHECK(!toolpath::cut_threads(paths, kGround, kWidestMm).empty());
+  REQUIRE(paths.size() == 2);
+  CHECK(geom::to_mm(paths[0].points.front().x) == Approx(12.85).margin(0.11));
+  CHECK(geom::to_mm(paths[0].points.back().x) == Approx(13.15).margin(0.11));
+  CHECK(geom::length(paths[1].points) == Approx(0.35 * geom::kNmPerMm).margin(2));
+}
