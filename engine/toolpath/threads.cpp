@@ -204,7 +204,7 @@ geom::Regions ground_of(std::size_t i, const geom::Regions& where, const slice::
   const geom::Regions held = quick_intersect(printed_area(support), where);
   if (!held.empty())
     out = quick_unite(out, geom::offset(held, from_mm(std::max(kBesideSupportMm - lean, 0.0))));
-  return geom::offset(out, from_mm(lean));
+  return geom::offset(out, from_mm(lean), geom::Join::round);  // corners of beads are round
 }
 
 }  // namespace
