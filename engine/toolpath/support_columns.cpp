@@ -2,12 +2,11 @@
 
 #include "engine/geom/polygon_ops.h"
 #include "engine/run/parallel_for.h"
+#include "engine/toolpath/lean.h"
 #include "engine/toolpath/region_ops.h"
 #include "engine/toolpath/support_borders.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
 namespace voidpath::toolpath {
 
@@ -20,10 +19,6 @@ using geom::Regions;
 constexpr double kMinColumnMm2 = 2.0;
 /// Support may be this much coarser than the part, mm: it keeps the xy gap anyway.
 constexpr double kColumnToleranceMm = 0.05;
-/// Support leans out no further than this, whatever the part may, degrees from vertical.
-constexpr double kMostLeanDeg = 60;
-/// A line is carried by one beside it below that it overlaps by so much of its width.
-constexpr double kCarriedShare = 0.25;
 /// Lines may leave their column's border by this, mm, since they are simplified: it leans out so much less.
 constexpr double kLineErrorMm = 0.03;
 constexpr double kMm2 = geom::kNmPerMm * geom::kNmPerMm;
@@ -172,11 +167,6 @@ class Builder {
 };
 
 }  // namespace
-
-double support_lean_mm(const SliceSettings& settings, double height_mm) {
-  const double angle = std::clamp(settings.support_angle_deg, 0.0, kMostLeanDeg) * std::numbers::pi / 180;
-  return std::max(height_mm * std::tan(angle), kCarriedShare * settings.line_width_mm);
-}
 
 std::vector<SupportAreas> support_columns(const slice::LayerStack& stack, const SupportTask& task,
                                           const SliceSettings& settings, const run::Context& ctx) {

@@ -10,9 +10,6 @@
 
 namespace voidpath::toolpath {
 
-/// How far support of a layer may lean out over support below it, mm.
-double support_lean_mm(const SliceSettings& settings, double height_mm);
-
 /// Straight down from every contact, as far as there is room; the top layers are dense. Going up, a column
 /// leans out over what is beside it no further than the part may.
 std::vector<SupportAreas> support_columns(const slice::LayerStack& stack, const SupportTask& task,

@@ -2,11 +2,10 @@
 
 #include "engine/geom/polygon_ops.h"
 #include "engine/run/parallel_for.h"
+#include "engine/toolpath/lean.h"
 #include "engine/toolpath/region_ops.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <utility>
 
 namespace voidpath::toolpath {
@@ -27,8 +26,6 @@ constexpr double kMergeMm = 0.75;
 constexpr double kMinOverhangMm2 = 0.01;
 /// Smaller strips of overhang than this are no bridges, mm²: mostly they are steps of a slope.
 constexpr double kMinThinBridgeMm2 = 1.0;
-/// Overhangs that lean out less than this per layer are carried by the bead below, in line widths.
-constexpr double kSelfSupportWidths = 0.25;
 constexpr double kMm2 = geom::kNmPerMm * geom::kNmPerMm;
 /// Heights that differ by less are equal, mm.
 constexpr double kSameHeightMm = 1e-6;
@@ -52,18 +49,12 @@ class Finder {
   }
 
  private:
-  double lean_mm(std::size_t i) const {
-    const double angle = std::clamp(settings_.support_angle_deg, 0.0, 89.0) * std::numbers::pi / 180.0;
-    return std::max(stack_[i].span.height_mm() * std::tan(angle),
-                    kSelfSupportWidths * settings_.line_width_mm);
-  }
-
   Regions find_overhang(std::size_t i) const {
     if (i == 0) return {};
     const Regions& own = stack_[i].regions;
     const Regions& below = stack_[i - 1].regions;
     if (own.empty() || own == below) return {};
-    const geom::Coord lean = from_mm(lean_mm(i));
+    const geom::Coord lean = from_mm(lean_mm(settings_, stack_[i].span.height_mm()));
     Regions far = quick_subtract(own, geom::offset(below, lean));
     far = geom::remove_small(far, kMinOverhangMm2 * kMm2);
     if (far.empty()) return far;

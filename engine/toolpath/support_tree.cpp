@@ -2,6 +2,7 @@
 
 #include "engine/geom/polygon_ops.h"
 #include "engine/run/parallel_for.h"
+#include "engine/toolpath/lean.h"
 #include "engine/toolpath/region_ops.h"
 #include "engine/toolpath/support_columns.h"
 #include "engine/toolpath/tree_grow.h"
@@ -28,8 +29,6 @@ constexpr double kMinBranchWidths = 0.9;
 constexpr double kMinRadiusMm = 0.1;
 /// A column below a branch is wider than that by this, mm, on each side.
 constexpr double kColumnMarginMm = 0.6;
-/// A branch is carried by one below that it overlaps, or nearly: a share of a line's width.
-constexpr double kCarriedShare = 0.25;
 /// Dense lines go over from one tip to the next if what is between them is no wider than twice this share of
 /// the tips' distance...
 constexpr double kRoofSpanShare = 0.6;

@@ -4,13 +4,13 @@
 #include "engine/geom/polygon_ops.h"
 #include "engine/run/parallel_for.h"
 #include "engine/toolpath/bead_area.h"
+#include "engine/toolpath/lean.h"
 #include "engine/toolpath/region_ops.h"
 #include "engine/toolpath/support_task.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <set>
 #include <utility>
@@ -27,10 +27,6 @@ using geom::Polyline;
 constexpr double kThreadShare = 0.75;
 /// With support any gap line is cut: none is wider than this many lines.
 constexpr double kAnyShare = 4.0;
-/// Lines reach this far over from a support beside them, mm.
-constexpr double kBesideSupportMm = 0.5;
-/// A line is carried by one below that it overlaps by so much of its width, whatever the angle.
-constexpr double kCarriedShare = 0.25;
 /// Hold is looked for this often along a thread, mm.
 constexpr double kStepMm = 0.1;
 /// The tip of a thread may stick out by this.
@@ -147,11 +143,6 @@ class Cutter {
   std::map<std::pair<geom::Coord, geom::Coord>, int> at_;  ///< how many ends lie there
 };
 
-double lean_mm(const slice::Layer& layer, const SliceSettings& s) {
-  const double angle = std::clamp(s.support_angle_deg, 0.0, 89.0) * std::numbers::pi / 180;
-  return std::max(layer.span.height_mm() * std::tan(angle), kCarriedShare * s.line_width_mm);
-}
-
 double widest_mm(const SliceSettings& s) {
   return (s.support == SupportMode::none ? kThreadShare : kAnyShare) * s.line_width_mm;
 }
@@ -200,11 +191,11 @@ geom::Regions ground_of(std::size_t i, const geom::Regions& where, const slice::
     out = quick_unite(out, missing.empty() ? lower : quick_subtract(lower, over));
     over = quick_unite(over, lower);
   }
-  const double lean = lean_mm(stack[i], s);
+  const double lean = lean_mm(s, span.height_mm());
   const geom::Regions held = quick_intersect(printed_area(support), where);
   if (!held.empty())
-    out = quick_unite(out, geom::offset(held, from_mm(std::max(kBesideSupportMm - lean, 0.0))));
-  return geom::offset(out, from_mm(lean), geom::Join::round);  // corners of beads are round
+    out = quick_unite(out, geom::offset(held, from_mm(std::max(kLineBesideSupportMm - lean, 0.0))));
+  return geom::offset(out, from_mm(lean));
 }
 
 }  // namespace

@@ -4,10 +4,10 @@
 #include "engine/geom/polygon_ops.h"
 #include "engine/run/parallel_for.h"
 #include "engine/toolpath/held_pieces.h"
+#include "engine/toolpath/lean.h"
 #include "engine/toolpath/line_index.h"
 #include "engine/toolpath/region_ops.h"
 #include "engine/toolpath/support_borders.h"
-#include "engine/toolpath/support_columns.h"
 #include "engine/toolpath/support_task.h"
 
 #include <algorithm>

@@ -2,6 +2,7 @@
 
 #include "engine/geom/polygon_ops.h"
 #include "engine/run/parallel_for.h"
+#include "engine/toolpath/lean.h"
 #include "engine/toolpath/region_ops.h"
 #include "engine/toolpath/support_task.h"
 
@@ -14,15 +15,13 @@ namespace {
 using geom::from_mm;
 using geom::Regions;
 
-/// Lines reach this far over from a support beside them, mm.
-constexpr double kBesideSupportMm = 1.0;
 /// Strands hold on to what lies this far beside, mm.
 constexpr double kAnchorMm = 1.2;
 
 void bridge(Surfaces& own, const Regions& below, const Regions& support, const SliceSettings& settings) {
   Regions loose = support.empty()
                       ? std::move(own.unheld)
-                      : quick_subtract(own.unheld, geom::offset(support, from_mm(kBesideSupportMm)));
+                      : quick_subtract(own.unheld, geom::offset(support, from_mm(kAreaBesideSupportMm)));
   loose = geom::open(loose, from_mm(0.5 * settings.line_width_mm));
   for (const geom::Region& region : loose) {
     const double walls = settings.line_width_mm * settings.perimeters;

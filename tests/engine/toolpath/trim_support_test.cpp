@@ -1,6 +1,6 @@
 #include "engine/toolpath/trim_support.h"
 
-#include "engine/toolpath/support_columns.h"
+#include "engine/toolpath/lean.h"
 #include "tests/engine/toolpath/shapes.h"
 
 #include <algorithm>
