@@ -4,6 +4,7 @@
 #include "engine/run/parallel_for.h"
 #include "engine/toolpath/region_ops.h"
 
+#include <numbers>
 #include <utility>
 
 namespace voidpath::toolpath {
@@ -18,6 +19,16 @@ constexpr geom::Coord kOffsetSlack = 5000;
 /// Thin features keep their width this much further than their root, in compensations: otherwise the
 /// shrunk body would draw back from them.
 constexpr double kRootReach = 1.5;
+/// Corners of what grows reach this much further than its sides: right angles stay sharp, sharper ones are
+/// cut off there.
+constexpr double kCornerReach = std::numbers::sqrt2;
+
+/// By a compensation, which may be negative.
+Regions compensated_by(const Regions& regions, double mm) {
+  const Regions out = geom::offset(regions, from_mm(mm));
+  if (!(mm > 0)) return out;
+  return quick_intersect(out, geom::offset(regions, from_mm(kCornerReach * mm), geom::Join::round));
+}
 
 }  // namespace
 
@@ -25,13 +36,13 @@ Regions compensated(const Regions& regions, double outer_mm, double hole_mm) {
   if (outer_mm == 0 && hole_mm == 0) return regions;
   Regions out;
   for (const auto& region : regions) {
-    Regions body = geom::offset({{region.outer, {}}}, from_mm(outer_mm));
+    Regions body = compensated_by({{region.outer, {}}}, outer_mm);
     Regions holes;
     for (geom::Ring hole : region.holes) {
       geom::reverse(hole);
       holes.push_back({std::move(hole), {}});
     }
-    append(out, quick_subtract(body, geom::offset(holes, from_mm(hole_mm))));
+    append(out, quick_subtract(body, compensated_by(holes, hole_mm)));
   }
   // Neighbours may have grown into one another.
   return out.size() > 1 ? geom::unite(geom::rings_of(out)) : out;

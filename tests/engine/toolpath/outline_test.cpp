@@ -68,3 +68,20 @@ TEST_CASE("compensation reaches every layer, the foot only the first") {
   for (std::size_t i = 1; i < stack.size(); ++i)
     CHECK(area_mm2(stack[i].regions) == Approx(19.8 * 19.8).epsilon(1e-4));
 }
+
+TEST_CASE("what grows keeps its right angles; sharper corners do not run ahead of its sides") {
+  const double mm2 = geom::kNmPerMm * geom::kNmPerMm;
+  const geom::Regions square{rectangle(0, 0, 10, 10)};
+  CHECK(geom::area(toolpath::compensated(square, 0.3, 0)) / mm2 == Approx(10.6 * 10.6).epsilon(1e-3));
+
+  // A blade of 62 degrees whose point is at (10, 0).
+  const geom::Regions blade{
+      {{{geom::from_mm(0), geom::from_mm(-6)}, {geom::from_mm(10), 0}, {geom::from_mm(0), geom::from_mm(6)}},
+       {}}};
+  const geom::Regions grown = toolpath::compensated(blade, 0.3, 0);
+  const auto box = geom::bounds(grown);
+  REQUIRE(box.has_value());
+  CHECK(geom::to_mm(box->max.x) < 10 + 0.3 * 1.43);
+  CHECK(geom::to_mm(box->max.x) > 10.29);
+  CHECK(geom::area(geom::subtract(geom::offset(blade, geom::from_mm(0.29), geom::Join::round), grown)) == 0);
+}
