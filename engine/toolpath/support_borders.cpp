@@ -128,13 +128,8 @@ geom::Polylines caps_of(const geom::Region& domain, const Lines& lines) {
 /// What a layer below must carry of these borders and does not: where it has no such borders itself.
 Regions begun(const Regions& borders, const Regions& below, const SliceSettings& s) {
   if (borders.empty() || borders == below) return {};
-  const geom::Coord thin = from_mm(0.25 * s.line_width_mm);
-  Regions fresh = quick_subtract(borders, below);
-  // Mostly slivers beside those below.
-  std::erase_if(fresh, [&](const geom::Region& r) { return geom::offset({r}, -thin).empty(); });
-  if (fresh.empty()) return {};
-  fresh = quick_subtract(fresh, geom::offset(below, from_mm(kBesideShare * s.line_width_mm)));
-  return geom::remove_small(geom::open(fresh, thin), kMinFloorMm2 * kMm2);
+  const Regions fresh = quick_subtract(borders, geom::offset(below, from_mm(kBesideShare * s.line_width_mm)));
+  return geom::remove_small(geom::open(fresh, from_mm(0.25 * s.line_width_mm)), kMinFloorMm2 * kMm2);
 }
 
 double length_of(const geom::Polylines& lines) {
