@@ -42,6 +42,8 @@ class LineSplitter {
   /// Fetches the next complete line into `line`; false when there is none yet.
   bool next(std::string& line);
   void clear() { buffer_.clear(), start_ = 0; }
+  /// Behind the last line the beginning of another has come.
+  bool amid_line() const noexcept { return start_ < buffer_.size(); }
 
  private:
   std::string buffer_;

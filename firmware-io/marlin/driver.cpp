@@ -21,6 +21,9 @@ constexpr double kMute_s = 10;
 // After the printer has said that it halts the port stays open so long, for its last words.
 constexpr double kLastWords_s = 1;
 
+// An ok that has begun to come is there after so long: not each of its bytes is worth an awakening.
+constexpr double kRestOfOk_bytes = 4;
+
 // A silence of so many intervals is none of work.
 constexpr double kKeepalives = 3;
 
@@ -59,6 +62,8 @@ void Driver::settle(double t) {
     pump(t);
     check_health(t);
     rest_until_ = job_ && phase_ == Phase::ready ? link_.rest_until() : 0;
+    if (job_ && rest_until_ == 0 && splitter_.amid_line())
+      rest_until_ = t + kRestOfOk_bytes * options_.byte_s;
   }
 }
 

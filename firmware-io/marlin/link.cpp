@@ -13,6 +13,8 @@ namespace {
 
 /// What an ok may seem to come before its line has gone, by clocks and buffers alone, s.
 constexpr double kClocksAgree_s = 0.0005;
+/// A byte's time on the fastest wire that goes by a name, as a part of the named one.
+constexpr double kFastest = 0.95;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 // One `wait` may have crossed a line on its way; the second, a second later, cannot have.
@@ -24,7 +26,7 @@ constexpr std::uint64_t kQuietLines = 2000;
 // Before the wire runs dry the thread wants to be awake and to have written, this much earlier than all but
 // one in ten of its awakenings are late. At the most so much of what the window holds: what must be sent
 // earlier than that may as well be sent at each ok.
-constexpr double kLeastLead_s = 0.00006;
+constexpr double kLeastLead_s = 0.0003;
 constexpr double kMostLead = 0.3;
 // How the estimate of an ok's time moves: up when it was not there on awaking, down by as much at the most
 // when it came earlier. A rest ends so much behind it, where there is room.
@@ -40,6 +42,15 @@ constexpr int kGreetingBytes = 16;
 constexpr double kLatenessUp_s = 3e-5;
 constexpr double kLatenessDown_s = kLatenessUp_s / 10;
 constexpr double kMostLateness_s = 0.01;
+
+// The wire is the brake where so many bytes took as long as it takes for them, within this part of it.
+constexpr std::uint64_t kPacedBytes = 512;
+constexpr double kOffPace = 0.08;
+// So much of what the estimates are off goes into them at once. Oks come late by chance, never early: what
+// tells of an earlier end counts for more.
+constexpr double kFollow = 0.125;
+constexpr double kFollowEarlier = 0.25;
+constexpr double kFollowLater = 1.0 / 32;
 
 // A longer answer to the greeting tells of a busy printer, not of the wire.
 constexpr double kLongestRoundTrip_s = 0.2;
@@ -75,8 +86,9 @@ void Link::restart(std::uint32_t last) {
   tail_.clear();
   long_number_ = 0;
   questions_open_ = 0;
-  wire_free_t_ = 0;
-  wire_is_faster_ = false;
+  wire_free_t_ = earliest_free_t_ = 0;
+  wire_is_faster_ = wire_is_brake_ = false;
+  pace_ = 1;
   awaited_ = rested_for_ = 0;
   held_ = question_due_ = doubt_ = asked_in_silence_ = false;
   questions_ = 0;
@@ -85,7 +97,7 @@ void Link::restart(std::uint32_t last) {
 
 void Link::learn_round_trip(double seconds) noexcept {
   round_trip_s_ = std::min(seconds, kLongestRoundTrip_s);
-  ok_after_s_ = std::max(round_trip_s_ - kGreetingBytes * byte_s_, kAtOnce_s);
+  ok_after_s_ = least_ok_s_ = std::max(round_trip_s_ - kGreetingBytes * byte_s_, kAtOnce_s);
 }
 
 // Plain lines again, whatever state lost or flushed bytes have left the firmware's unpacker in.
@@ -101,17 +113,41 @@ bool Link::packing_due() const noexcept {
          !window_.resending();
 }
 
+// No wire has exactly the pace that is named, and what is added up by that one ends up far from it. But where
+// the wire is the brake, all that has no ok is still to be carried, but for what went while the last ok came.
+void Link::follow_wire() noexcept {
+  const int out = window_.bytes_in_flight() - window_.withheld();
+  const std::uint64_t done = bytes_sent_ - static_cast<std::uint64_t>(std::clamp<std::int64_t>(
+                                               out, 0, static_cast<std::int64_t>(bytes_sent_)));
+  if (done >= paced_bytes_ + kPacedBytes || done < paced_bytes_) {
+    const double pace = done < paced_bytes_
+                            ? 0
+                            : (received_t_ - paced_t_) / (static_cast<double>(done - paced_bytes_) * byte_s_);
+    wire_is_brake_ = std::abs(pace - 1) <= kOffPace;
+    // What runs dry now and then is not slow.
+    if (wire_is_brake_) pace_ = std::min(pace_ + (pace - pace_) * kFollow, 1.0);
+    paced_bytes_ = done;
+    paced_t_ = received_t_;
+  }
+  if (!wire_is_brake_) return;
+  const double free_t = received_t_ + std::max(out * byte_s_ * pace_ - least_ok_s_ - kBehindOk_s, 0.0);
+  const double off = free_t - wire_free_t_;
+  const double shift = off * (off < 0 ? kFollowEarlier : kFollowLater);
+  wire_free_t_ += shift;
+  for (Outstanding& line : outstanding_) line.gone_t += shift;
+}
+
 double Link::rest_until() noexcept {
   if (rested_for_ != 0) note_missed_ok();
   awaited_ = 0;
+  if (!wire_is_faster_) follow_wire();
   if (wire_is_faster_ || !window_.waiting() || window_.draining() || window_.throttled()) return 0;
   const double most = kMostLead * window_.limit_bytes() * byte_s_;
   const double latest = wire_free_t_ - std::min(kLeastLead_s + lateness_s_, most);
   double until = 0;
   for (const Outstanding& line : outstanding_) {
     const double due = line.gone_t + ok_after_s_;
-    // An ok that only comes when the wire has run dry is worth waiting for when there is none before.
-    if (due > latest && awaited_ != 0) break;
+    if (due > latest) break;
     until = due + std::clamp((latest - due) / 2, 0.0, kBehindOk_s);
     awaited_ = line.number;
   }
@@ -140,7 +176,8 @@ void Link::note_ok_time(const Outstanding& line) noexcept {
       ok_after_s_ = std::max(ok_after_s_ - kOkTimeDown_s, 0.0);
     rested_for_ = 0;
   }
-  ok_after_s_ = std::max({std::min(ok_after_s_, received_t_ - line.gone_t), ok_after_s_ - kOkTime_s, 0.0});
+  const double above_s = std::max(ok_after_s_ - (received_t_ - line.gone_t), 0.0);
+  ok_after_s_ = std::max(ok_after_s_ - std::min(above_s, std::max(above_s / 4, kOkTime_s)), 0.0);
 }
 
 void Link::drop_output() {
@@ -153,7 +190,9 @@ void Link::put(std::string_view bytes, double t) {
   patience_t_ = silent_since_t_ = t;
   question_due_ = false;
   output_ += bytes;
-  wire_free_t_ = std::max(wire_free_t_, t) + static_cast<double>(bytes.size()) * byte_s_;
+  const double wire_s = static_cast<double>(bytes.size()) * byte_s_;
+  wire_free_t_ = std::max(wire_free_t_, t) + pace_ * wire_s;
+  earliest_free_t_ = std::max(earliest_free_t_, t) + kFastest * wire_s;
   bytes_sent_ += bytes.size();
 }
 
@@ -169,7 +208,7 @@ void Link::let_out(std::size_t bytes, double t) {
   put(std::string_view(tail_).substr(0, bytes), t);
   tail_.erase(0, bytes);
   if (tail_.empty() && !outstanding_.empty() && outstanding_.back().number + 1 == window_.next_number())
-    outstanding_.back().gone_t = wire_free_t_;
+    note_gone(outstanding_.back());
 }
 
 // Beyond the limit, where something must follow.
@@ -194,7 +233,8 @@ void Link::send(std::string_view payload, Tag tag, double t) {
   const std::string_view bytes = window_.send(payload);
   tail_ = bytes.substr(bytes.size() - static_cast<std::size_t>(window_.withheld()));
   write(bytes.substr(0, bytes.size() - tail_.size()), window_.text(), t);
-  outstanding_.back().gone_t = tail_.empty() ? wire_free_t_ : kNever;
+  outstanding_.back().gone_t = kNever;
+  if (tail_.empty()) note_gone(outstanding_.back());
 }
 
 void Link::send_raw(std::string_view text, bool answered, double t) {
@@ -303,7 +343,7 @@ std::optional<Tag> Link::take_acknowledged() {
   const Tag tag = outstanding_.front().tag;
   const Outstanding& line = outstanding_.front();
   if (std::isfinite(line.gone_t)) {
-    if (received_t_ + kClocksAgree_s < line.gone_t) wire_is_faster_ = true;
+    if (received_t_ + kClocksAgree_s < line.earliest_gone_t) wire_is_faster_ = true;
     note_ok_time(line);
   }
   ++quiet_lines_;

@@ -120,7 +120,8 @@ class Link {
   struct Outstanding {
     std::uint32_t number = 0;
     Tag tag;
-    double gone_t = 0;  ///< when its last byte has gone, at the wire's pace; infinite before that is written
+    double gone_t = 0;  ///< when its last byte has gone, as estimated; infinite before that is written
+    double earliest_gone_t = 0;  ///< the same on the fastest wire of that name
   };
   void put(std::string_view bytes, double t);
   void write(std::string_view bytes, std::string_view shown, double t);
@@ -137,6 +138,11 @@ class Link {
   /// question tells that they are done.
   bool stranded() const noexcept { return window_.idle() && !outstanding_.empty() && !held_; }
   void note_missed_ok() noexcept;
+  void follow_wire() noexcept;
+  void note_gone(Outstanding& line) const noexcept {
+    line.gone_t = wire_free_t_;
+    line.earliest_gone_t = earliest_free_t_;
+  }
   void note_ok_time(const Outstanding& line) noexcept;
   void note_ok(bool temperatures, std::uint64_t lost, double t);
 
@@ -151,12 +157,18 @@ class Link {
   std::uint32_t long_number_ = 0;  ///< the last long line, until it is surely done; its ok may be another's
   int oks_past_long_ = 0;
   double round_trip_s_ = 0;
-  double wire_free_t_ = 0;  ///< when the last byte written has gone, at the wire's pace
+  double wire_free_t_ = 0;      ///< when the last byte written has gone, as estimated
+  double earliest_free_t_ = 0;  ///< the same on the fastest wire of that name
   /// An ok came before its line could have gone at the named rate: USB without a wire behind it, or a pty.
   bool wire_is_faster_ = false;
-  double lateness_s_ = 0;      ///< no longer than that this thread awakes late, mostly
-  double ok_after_s_ = 0;      ///< so long after its line has gone an ok is here, mostly
-  std::uint32_t awaited_ = 0;  ///< the line whose ok the rest is for
+  double pace_ = 1;  ///< of the wire, as a part of the named time for a byte, where it was the brake
+  bool wire_is_brake_ = false;     ///< lines were acknowledged lately as fast as such a wire can carry them
+  double paced_t_ = 0;             ///< since then that is measured,
+  std::uint64_t paced_bytes_ = 0;  ///< and since so many bytes were acknowledged
+  double lateness_s_ = 0;          ///< no longer than that this thread awakes late, mostly
+  double least_ok_s_ = 0;          ///< the same while the printer did nothing else
+  double ok_after_s_ = 0;          ///< so long after its line has gone an ok is here, mostly
+  std::uint32_t awaited_ = 0;      ///< the line whose ok the rest is for
   std::uint32_t rested_for_ = 0;
   double awoke_t_ = 0;
   double received_t_ = 0;
