@@ -25,6 +25,8 @@ constexpr double kFirstLayerDensity = 0.5;
 constexpr double kLinkSpacings = 1.6;
 /// Lines of support are simplified to this, mm: they only have to be there.
 constexpr double kLineToleranceMm = 0.05;
+/// Sparse lines shorter than this share of their width are hardly more than a dot, and carry nothing.
+constexpr double kLeastLineShare = 0.5;
 /// An area that is narrow by more than this share needs no lines across.
 constexpr double kAllNarrow = 0.9;
 /// Branches whose middle is further than this from their border get a second wall, mm.
@@ -120,6 +122,9 @@ std::vector<Path> support_lines(const SupportAreas& areas, std::size_t layer, co
       Regions shifted{domain};
       geom::translate(shifted, {0, -shift});
       Hatch h = hatch(shifted, {0.0, apart, false, kLinkSpacings * apart});
+      std::erase_if(h.lines, [&](const geom::Polyline& line) {
+        return geom::length(line) < kLeastLineShare * bead.width_mm * geom::kNmPerMm;
+      });
       for (auto& line : h.lines)
         for (geom::Point& p : line) p.y += shift;
       add_fill(out, Role::support, {std::move(h.lines), false, spacing}, bead, tolerance);

@@ -71,3 +71,21 @@ TEST_CASE("dense lines reach from border to border: what lies on them ends where
       CHECK(geom::to_mm(box->max.x) == Approx(x + width).margin(0.02));
     }
 }
+
+TEST_CASE("a corner that just reaches a sparse line gets no dot there") {
+  const toolpath::SliceSettings s;
+  const toolpath::BeadSize bead = toolpath::bead_of_layer(s, 1, 0.2);
+  std::size_t lines = 0;
+  for (int shift = 0; shift < 300; ++shift) {
+    const double y = 40 + 0.01 * shift;
+    toolpath::SupportAreas areas;  // less high than lines are apart
+    areas.sparse = {
+        {{{from_mm(40), from_mm(y)}, {from_mm(42), from_mm(y + 2)}, {from_mm(38), from_mm(y + 2)}}, {}}};
+    CAPTURE(y);
+    for (const auto& path : toolpath::support_lines(areas, 3, bead, s)) {
+      ++lines;
+      CHECK(length_mm(path) > 0.2);
+    }
+  }
+  CHECK(lines > 30);
+}
