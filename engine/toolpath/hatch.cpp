@@ -16,8 +16,6 @@ using geom::Point;
 /// Rows keep this far from the area's extremes when they are fitted, nm: a row exactly on a border edge
 /// would be lost to rounding.
 constexpr double kBorderClearance = 1000.0;
-/// Fitted rows may lie this much further apart than asked before one more row is added.
-constexpr double kMaxStretch = 1.15;
 
 /// A border that is this much shorter at its extreme than half a row further in is no edge but a curve or a
 /// corner: the first row keeps half a spacing from it, since at the extreme it would be a dot.
@@ -89,7 +87,7 @@ class Hatcher {
     }
     first_ = min_y_ + kBorderClearance + low;
     double rows = std::floor(extent / spacing_);
-    if (rows < 1 || extent / rows > kMaxStretch * spacing_) rows += 1;
+    if (rows < 1 || extent / rows > options_.max_stretch * spacing_) rows += 1;
     spacing_ = extent / rows;
   }
 

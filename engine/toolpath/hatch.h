@@ -12,6 +12,8 @@ struct HatchOptions {
   /// lie on a lattice through the plate's origin, so that they meet from layer to layer.
   bool fit = false;
   double max_link_mm = 0;  ///< longest stretch along the border that joins two lines; 0: none
+  /// Fitted rows lie no further apart than this many spacings.
+  double max_stretch = 1.15;
 };
 
 struct Hatch {

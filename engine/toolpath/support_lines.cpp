@@ -50,8 +50,8 @@ void add_border(std::vector<Path>& out, Role role, const geom::Region& area, con
   }
 }
 
-/// Dense lines along y, from border to border: what lies on them ends no further beside than the gap that
-/// support keeps. Where the area is too narrow to be sure of one of them, its border is printed; all
+/// Dense lines along y, from border to border and no sparser than asked for: what lies on them ends no
+/// further beside than the gap that support keeps. Where the area is too narrow to be sure of one of them, its border is printed; all
 /// around if `all_round`.
 void add_dense(std::vector<Path>& out, const Regions& areas, bool all_round, const BeadSize& bead,
                const SliceSettings& settings, double tolerance_mm) {
@@ -65,7 +65,7 @@ void add_dense(std::vector<Path>& out, const Regions& areas, bool all_round, con
         add_border(out, Role::support_interface, domain, bead, tolerance_mm);
         across = geom::offset(across, -from_mm(apart));
       }
-      Hatch h = hatch(across, {std::numbers::pi / 2, apart, true, kLinkSpacings * apart});
+      Hatch h = hatch(across, {std::numbers::pi / 2, apart, true, kLinkSpacings * apart, 1.0});
       add_fill(out, Role::support_interface, {std::move(h.lines), false, spacing}, bead, tolerance_mm);
     }
     if (domains.empty()) add_border(out, Role::support_interface, area, bead, tolerance_mm);

@@ -64,6 +64,13 @@ TEST_CASE("fitted rows reach from border to border") {
   CHECK(geom::to_mm(h.lines.front().front().y) == Approx(0).margin(0.002));
   CHECK(geom::to_mm(h.lines.back().front().y) == Approx(10).margin(0.002));
   CHECK(h.spacing_mm == Approx(0.3).epsilon(0.16));
+  // Where they may not be stretched, they are squeezed.
+  for (double width = 1.0; width < 4.0; width += 0.07) {
+    const auto dense = toolpath::hatch({rectangle(0, 0, 10, width)}, {0, 0.3, true, 0, 1.0});
+    CHECK(dense.spacing_mm <= 0.3 + 1e-9);
+    CHECK(dense.spacing_mm > 0.2);
+    CHECK(geom::to_mm(dense.lines.back().front().y) == Approx(width).margin(0.002));
+  }
 }
 
 TEST_CASE("every pattern keeps inside and honours the density") {
