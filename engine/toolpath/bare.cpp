@@ -4,8 +4,6 @@
 #include "engine/toolpath/bead_area.h"
 #include "engine/toolpath/region_ops.h"
 
-#include <map>
-
 namespace voidpath::toolpath {
 
 namespace {
@@ -15,17 +13,14 @@ constexpr double kLeastBareMm = 0.1;
 constexpr double kLeastBareMm2 = 0.03;
 
 geom::Regions covered_by_gap_lines(const std::vector<Path>& paths) {
-  std::map<double, geom::Polylines> by_width;
+  geom::Rings quads;
   for (const Path& path : paths) {
     if (path.role != Role::gap_fill || path.points.empty()) continue;
     geom::Polyline line = path.points;
     if (path.closed) line.push_back(line.front());
-    by_width[path.width_mm].push_back(std::move(line));
+    add_beads(quads, line, path.width_mm * geom::kNmPerMm);
   }
-  geom::Regions out;
-  for (const auto& [width, lines] : by_width)
-    out = quick_unite(out, bead_area(lines, width * geom::kNmPerMm));
-  return out;
+  return geom::unite(quads);
 }
 
 }  // namespace

@@ -214,7 +214,9 @@ class Builder {
         if (bearer < n_)
           hold_tips(layer(i).paths, stack_[i].regions, stack_[i - 1].regions,
                     printed_area(supports_[bearer]));
-        bare[i] = bare_parts(walls_[i], layer(i).paths);
+        // Over an equal outline the same lines lie: nothing of them is over what is bare.
+        if (i + 1 < n_ && stack_[i + 1].regions != stack_[i].regions)
+          bare[i] = bare_parts(walls_[i], layer(i).paths);
       });
       cut_threads(std::span(plan_.layers).subspan(below()), stack_, supports_, bare, slice(), ctx_);
     }

@@ -218,7 +218,7 @@ void cut_threads(std::span<LayerPlan> layers, const slice::LayerStack& stack,
     append(cut_off[i], Cutter(layers[i].paths, ground, widest, &where).run());
   };
   run::parallel_for(ctx, layers.size(), [&](std::size_t i) {
-    if (i > 0) cut(i);
+    if (i > 0 && stack[i].regions != stack[i - 1].regions) cut(i);
   });
   for (std::size_t i = 1; i < layers.size(); ++i) {
     if (cut_off[i - 1].empty()) continue;
