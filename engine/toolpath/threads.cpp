@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <optional>
 #include <set>
 #include <utility>
@@ -41,6 +42,10 @@ constexpr double kAroundMm = 2.0;
 constexpr double kSliverMm = 0.045;
 /// What a thread leaves bare is wider than it by this, mm: nothing of it is left beside.
 constexpr double kBareMarginMm = 0.4;
+/// An end is surely held where there is firm ground, in one of so many directions, within this share of the
+/// lean.
+constexpr double kLeanShare = 0.9;
+constexpr int kWays = 8;
 
 Point between(const Point& a, const Point& b, double t) {
   return {a.x + std::llround(t * static_cast<double>(b.x - a.x)),
@@ -147,16 +152,27 @@ double widest_mm(const SliceSettings& s) {
   return (s.support == SupportMode::none ? kThreadShare : kAnyShare) * s.line_width_mm;
 }
 
-/// Of lines that go on from each other: around those of which one has an end in the air.
+/// Of lines that go on from each other: around those of which one has an end in the air, further than this
+/// from what is below.
 geom::Regions hanging_chains(const std::vector<Path>& paths, const geom::Regions& below,
-                             const geom::Regions& bare, double widest_mm) {
+                             const geom::Regions& bare, double widest_mm, double reach_mm) {
   std::optional<geom::AreaGrid> grid;  // made when first wanted
+  const geom::Coord d = from_mm(kSliverMm);
+  const auto firm = [&](const Point& p) {
+    return grid->contains({p.x - d, p.y - d}, {p.x + d, p.y + d}) &&
+           grid->contains({p.x - d, p.y + d}, {p.x + d, p.y - d});
+  };
   const auto hangs = [&](const Point& p) {
     if (!bare.empty() && !near_box(bare, grown({p, p}, from_mm(kBesideBareMm))).empty()) return true;
     if (!grid) grid.emplace(below);
-    const geom::Coord d = from_mm(kSliverMm);
-    return !grid->contains({p.x - d, p.y - d}, {p.x + d, p.y + d}) ||
-           !grid->contains({p.x - d, p.y + d}, {p.x + d, p.y - d});
+    if (firm(p)) return false;
+    const double reach = kLeanShare * reach_mm * geom::kNmPerMm;
+    for (int k = 0; k < kWays; ++k) {
+      const double a = 2 * std::numbers::pi * k / kWays;
+      if (firm({p.x + std::llround(reach * std::cos(a)), p.y + std::llround(reach * std::sin(a))}))
+        return false;
+    }
+    return true;
   };
   std::multimap<std::pair<geom::Coord, geom::Coord>, const Path*> at;
   std::vector<const Path*> found;
@@ -212,7 +228,8 @@ void cut_threads(std::span<LayerPlan> layers, const slice::LayerStack& stack,
   const auto cut = [&](std::size_t i) {
     const std::size_t bearer = layer_below_gap(stack, i, settings.support_z_gap_mm);
     if (bearer >= supports.size()) return;  // the plate is as near as a support would be
-    const geom::Regions where = hanging_chains(layers[i].paths, stack[i - 1].regions, bare[i - 1], widest);
+    const geom::Regions where = hanging_chains(layers[i].paths, stack[i - 1].regions, bare[i - 1], widest,
+                                               lean_mm(settings, stack[i].span.height_mm()));
     if (where.empty()) return;
     const geom::Regions ground = ground_of(i, where, stack, supports[bearer], bare[i - 1], settings);
     append(cut_off[i], Cutter(layers[i].paths, ground, widest, &where).run());
