@@ -33,8 +33,6 @@ constexpr double kStepMm = 0.1;
 /// The tip of a thread may stick out by this.
 constexpr int kTipSteps = 3;
 constexpr double kTipMm = kTipSteps * kStepMm;
-/// An end may lie over what is bare if it is no further from its box than this, mm.
-constexpr double kBesideBareMm = 0.5;
 /// What carries a line is looked for this far around it, mm.
 constexpr double kAroundMm = 2.0;
 /// What is thinner than twice this, mm, gets no line, and is no more than what a cut leaves of a thread's
@@ -163,8 +161,7 @@ geom::Regions hanging_chains(const std::vector<Path>& paths, const geom::Regions
            grid->contains({p.x - d, p.y + d}, {p.x + d, p.y - d});
   };
   const auto hangs = [&](const Point& p) {
-    if (!bare.empty() && !near_box(bare, grown({p, p}, from_mm(kBesideBareMm))).empty()) return true;
-    if (!grid) grid.emplace(below);
+    if (!grid) grid.emplace(quick_subtract(below, bare));
     if (firm(p)) return false;
     const double reach = kLeanShare * reach_mm * geom::kNmPerMm;
     for (int k = 0; k < kWays; ++k) {
