@@ -51,8 +51,8 @@ void add_border(std::vector<Path>& out, Role role, const geom::Region& area, con
 }
 
 /// Dense lines along y, from border to border and no sparser than asked for: what lies on them ends no
-/// further beside than the gap that support keeps. Where the area is too narrow to be sure of one of them, its border is printed; all
-/// around if `all_round`.
+/// further beside than the gap that support keeps. Where the area is too narrow to be sure of one of them,
+/// its border is printed; all around if `all_round`.
 void add_dense(std::vector<Path>& out, const Regions& areas, bool all_round, const BeadSize& bead,
                const SliceSettings& settings, double tolerance_mm) {
   const double spacing = bead.spacing_mm();

@@ -63,9 +63,12 @@ Mask inverse(Mask mask) {
   return mask;
 }
 
+/// A border lies half way between the middles of a pixel that is marked and of one that is not, as far as they
+/// tell.
 Mask resized(const Mask& mask, const Grid& grid, double by) {
   if (by == 0) return mask;
-  return by > 0 ? grown(mask, grid, by) : shrunk(mask, grid, -by);
+  const double between = 0.5 * grid.size;
+  return by > 0 ? grown(mask, grid, by + between) : shrunk(mask, grid, between - by);
 }
 
 }  // namespace
@@ -132,7 +135,7 @@ Mask Sections::asked_for(Mask cut, std::size_t i, bool least) const {
   if (rules_.vase && i >= rules_.floor_layers) return without_holes(cut, grid_);
   cut = compensated(cut, grid_, rules_.outer_growth, rules_.hole_growth);
   if (rules_.foot <= 0 || l.top - l.height > rules_.ground + kCutError) return cut;
-  Mask small = shrunk(cut, grid_, rules_.foot);
+  Mask small = resized(cut, grid_, -rules_.foot);
   if (least) return small;
   const double thin = rules_.foot + 0.5 * rules_.line_width;
   const Mask wide = grown(shrunk(cut, grid_, thin), grid_, thin + grid_.size);
