@@ -156,6 +156,9 @@ class Window {
   std::uint64_t disturbances() const noexcept { return disturbances_; }
 
  private:
+  /// How the ceiling comes back: a byte each so many oks, four times as slowly after each lowering.
+  static constexpr int kCreepFastest_oks = 16;
+
   struct Flight {
     std::uint32_t number = 0;  ///< 0: unnumbered
     int bytes = 0;             ///< in the receive ring, 0 once known to have left it
@@ -197,12 +200,12 @@ class Window {
   int bytes_in_flight_ = 0;
   int withheld_ = 0;
   int limit_;
-  int threshold_;           ///< up to here the limit doubles, beyond it creeps
-  int ceiling_;             ///< the limit's own limit
-  int creep_oks_;           ///< so many oks raise a lowered ceiling by a byte
-  int oks_ = 0;             ///< since the limit stands at the ceiling
-  int early_requests_ = 0;  ///< in a row
-  int queue_places_ = 0;    ///< the most ever reported free
+  int threshold_;                      ///< up to here the limit doubles, beyond it creeps
+  int ceiling_;                        ///< the limit's own limit
+  int creep_oks_ = kCreepFastest_oks;  ///< so many raise a lowered ceiling by a byte
+  int oks_ = 0;                        ///< since the limit stands at the ceiling
+  int early_requests_ = 0;             ///< in a row
+  int queue_places_ = 0;               ///< the most ever reported free
   bool counts_trusted_ = true;
   bool dense_ = false;
   bool piecewise_ = false;
