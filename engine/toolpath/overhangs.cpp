@@ -5,6 +5,7 @@
 #include "engine/toolpath/region_ops.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -22,6 +23,10 @@ constexpr double kMinHangingMm = 0.3;
 constexpr double kHanging = 0.75;
 /// Of the layer below, what is thinner than this carries no line: little or nothing of it was printed, mm.
 constexpr double kFirmMm = 0.25;
+/// Thinner than this nothing is printed at all, as a share of a line's width.
+constexpr double kPrintedShare = 0.25;
+/// Gap lines are looked at so often, mm.
+constexpr double kLookMm = 0.25;
 /// The outline steps out by at least this share of what its outer bead's middle does; less is not looked at.
 constexpr double kRoundingShare = 0.9;
 
@@ -125,6 +130,54 @@ geom::Regions firm_part(const geom::Regions& below, const geom::Regions& bare, c
   return quick_subtract(below, quick_unite(thin, near_box(bare, box)));
 }
 
+/// How much of the straight line lies inside, nm.
+double length_inside(const geom::AreaGrid& area, const geom::Point& a, const geom::Point& b) {
+  double out = 0;
+  for (const geom::Piece& piece : area.split({a, b}))
+    if (piece.inside) out += geom::length(piece.points);
+  return out;
+}
+
+/// How much of a line lies on what is thinner than `thin` within `reach` of it, all in nm.
+double length_on_threads(const geom::Polyline& line, const geom::AreaGrid& below, double thin, double reach) {
+  double out = 0;
+  for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+    const double length = geom::distance(line[i], line[i + 1]);
+    const auto looks = static_cast<int>(std::ceil(length / (kLookMm * geom::kNmPerMm)));
+    const double x = static_cast<double>(line[i + 1].x - line[i].x) / length;
+    const double y = static_cast<double>(line[i + 1].y - line[i].y) / length;
+    for (int k = 0; k < looks; ++k) {
+      const double at = (k + 0.5) * length / looks;
+      const auto beside = [&](double by) {
+        return geom::Point{line[i].x + std::llround(at * x - by * y),
+                           line[i].y + std::llround(at * y + by * x)};
+      };
+      if (length_inside(below, beside(-reach), beside(reach)) < thin) out += length / looks;
+    }
+  }
+  return out;
+}
+
+/// Gap lines may hang though nothing steps out by `step_mm`: what is below them may be too thin to have been
+/// printed. The corners of boxes around those.
+geom::Ring on_threads(const std::vector<Path>& paths, const geom::Regions& below, double width_mm,
+                      double step_mm) {
+  const double unprinted_mm = kPrintedShare * width_mm;
+  std::optional<geom::AreaGrid> grid;
+  geom::Ring out;
+  for (const Path& path : paths) {
+    const double reach_mm = 0.5 * path.width_mm + step_mm;
+    if (path.role != Role::gap_fill || path.width_mm > unprinted_mm + 2 * step_mm) continue;
+    if (!grid) grid.emplace(below);
+    if (length_on_threads(path.points, *grid, unprinted_mm * geom::kNmPerMm, reach_mm * geom::kNmPerMm) <
+        kMinHangingMm * geom::kNmPerMm)
+      continue;
+    const geom::Box box = grown(*geom::bounds(path.points), from_mm(width_mm));
+    out.insert(out.end(), {box.min, box.max});
+  }
+  return out;
+}
+
 void put_in_band(Path& path, std::size_t band, const std::vector<Band>& bands) {
   if (band == 0) return;
   const Band& b = bands[band - 1];
@@ -143,8 +196,13 @@ void mark_overhangs(std::vector<Path>& paths, const geom::Regions& own, const ge
   // An outer bead's middle lies half a bead inside the outline.
   const double step = bands.front().share * kRoundingShare * width_mm;
   const geom::Regions stepping = quick_subtract(own, geom::offset(below, from_mm(step)));
-  if (stepping.empty()) return;
-  const geom::Box box = grown(*geom::bounds(stepping), from_mm(width_mm));
+  geom::Ring corners = on_threads(paths, below, width_mm, step);
+  if (const auto around = geom::bounds(stepping)) {
+    const geom::Box box = grown(*around, from_mm(width_mm));
+    corners.insert(corners.end(), {box.min, box.max});
+  }
+  if (corners.empty()) return;
+  const geom::Box box = *geom::bounds(corners);
   const geom::Regions firm = firm_part(below, bare, box);
   Carrier carrier(firm, width_mm, bands);
   std::vector<Path> out;

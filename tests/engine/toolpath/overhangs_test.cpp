@@ -98,6 +98,27 @@ TEST_CASE("what is too thin below to have been printed carries no wall") {
   }
 }
 
+TEST_CASE("a gap line over a thread that was not printed hangs, though it is hardly wider") {
+  toolpath::PrintSettings s = bare_settings();
+  const auto blade = [](double width) {
+    return geom::unite(
+        {rectangle(50, 50, 60, 70), rectangle(70, 50, 80, 70), rectangle(60, 60, 70, 60 + width)}, {});
+  };
+  for (const double below : {0.06, 0.15}) {
+    CAPTURE(below);
+    toolpath::Path path = wall_beyond(0);
+    path.role = Role::gap_fill;
+    path.width_mm = 0.18;
+    path.points = {{from_mm(59), from_mm(60.09)}, {from_mm(71), from_mm(60.09)}};
+    std::vector<toolpath::Path> paths{path};
+    toolpath::mark_overhangs(paths, blade(0.18), blade(below), {}, 0.45, s.speed);
+    double hanging = 0;
+    for (const auto& p : paths)
+      if (p.role == Role::overhang_perimeter) hanging += length_mm(p);
+    CHECK(hanging == Approx(below < 0.1 ? 10 : 0).margin(0.5));
+  }
+}
+
 TEST_CASE("small loops keep to their speed, large ones to the wall's") {
   auto s = bare_settings();
   s.speed.perimeter = 60;
