@@ -1,6 +1,9 @@
 #include "daemon/jobs/database.h"
 #include "tests/daemon/fakes.h"
 
+#include <future>
+#include <utility>
+
 #include <catch2/catch.hpp>
 
 /// What happens while nothing can be written: the disk is full for a while.
@@ -40,11 +43,20 @@ fs::path database_of(const RunnerRig& rig) { return rig.config.state_dir / "void
 
 TEST_CASE("what was prepared while the disk was full is kept once there is room") {
   RunnerRig rig;
+  std::promise<void> disk_is_full;
+  rig.prepare = [&, prepare = rig.prepare](const daemon::PrepareTask& task, const run::Context& ctx) {
+    disk_is_full.get_future().wait();
+    return prepare(task, ctx);
+  };
   rig.connect();
   rig.drop("a.stl");
   REQUIRE(rig.reaches("a.stl", State::preparing));
   {
     const FullDisk full(database_of(rig));
+    disk_is_full.set_value();
+    bool told = false;  // once the worker has said that it is ready
+    REQUIRE(rig.loop.run_until([&] { return std::exchange(told, true); }));
+    CHECK(rig.state_of("a.stl") == State::preparing);
     rig.loop.advance(12);
     CHECK(rig.state_of("a.stl") == State::preparing);
   }
