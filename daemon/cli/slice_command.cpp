@@ -44,6 +44,7 @@ int slice_command(const std::vector<std::string>& args) {
 
   Settings s = settings_from(common, orient);
   if (as_delivered) s.options.orient.method = orient::Method::as_delivered;
+  s.options.orient.all_criteria = false;  // nobody is told them
   if (!direction.empty()) {
     const auto d = numbers_from("--direction", direction, 3);
     s.options.direction = geom::Vec3(d[0], d[1], d[2]);

@@ -88,6 +88,17 @@ std::array<Evaluation, 2> DirectionEvaluator::evaluate(const Vec3& d) {
   return out;
 }
 
+Evaluation evaluate_standing(const Solid& solid, const Vec3& direction, const PrintLimits& limits) {
+  const Line line = lines_of({direction}).front();
+  const bool against = line.asked.front().second;
+  Projection p;
+  project(solid, line.direction, p);
+  Evaluation out;
+  out.criteria.height_mm = p.h_max - p.h_min;
+  out.why_not = why_not_printable(solid, hull_vertices(solid), p, against ? End::top : End::bottom, limits);
+  return out;
+}
+
 std::vector<Evaluation> evaluate_all(const Solid& solid, const std::vector<Vec3>& directions,
                                      const SearchOptions& options, const run::Context& ctx) {
   const std::vector<Index> hull = hull_vertices(solid);

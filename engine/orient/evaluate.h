@@ -44,4 +44,7 @@ class DirectionEvaluator {
 std::vector<Evaluation> evaluate_all(const Solid& solid, const std::vector<Vec3>& directions,
                                      const SearchOptions& options, const run::Context& ctx);
 
+/// Of one direction only the height and whether it can be printed, for which prepare_standing() is enough.
+Evaluation evaluate_standing(const Solid& solid, const Vec3& direction, const PrintLimits& limits);
+
 }  // namespace voidpath::orient

@@ -157,7 +157,31 @@ double overcounted_volume(const Solid& s) {
   return sum * dx * dy;
 }
 
+/// How often what lies around a shell, and what lies in it, is gone around.
+struct Windings {
+  int outside;
+  int inside;
+};
+
+Windings windings_at(const Solid& s, const std::vector<Shell>& shells, std::size_t i) {
+  const int outside = shells.size() > 1 ? winding_outside(s, shells, i) : 0;
+  return {outside, outside + shells[i].sense()};
+}
+
+/// Filled on both sides, or on neither.
+bool bounds_nothing(const Windings& w) { return (w.outside != 0) == (w.inside != 0); }
+
+bool looks_wrong_way(const Windings& w, const Shell& shell) {
+  return !bounds_nothing(w) && (w.inside != 0) != (shell.sense() > 0);
+}
+
 }  // namespace
+
+void settle_facets(Solid& s, const run::Context& ctx) {
+  const std::vector<Shell> shells = gather_shells(s);
+  for (std::size_t i = 0; i < shells.size(); ++i)
+    if (looks_wrong_way(windings_at(s, shells, i), shells[i])) return settle_fill(s, ctx);
+}
 
 void settle_fill(Solid& s, const run::Context& ctx) {
   s.contacts = find_self_contacts(s, ctx);
@@ -167,12 +191,11 @@ void settle_fill(Solid& s, const run::Context& ctx) {
   std::vector<std::size_t> inside_out;
   for (std::size_t i = 0; i < shells.size(); ++i) {
     if (s.shell_tangled[i] != 0) continue;
-    const int outside = shells.size() > 1 ? winding_outside(s, shells, i) : 0;
-    const int inside = outside + shells[i].sense();
-    if ((outside != 0) == (inside != 0)) {
+    const Windings w = windings_at(s, shells, i);
+    if (bounds_nothing(w)) {
       s.shell_walls[i] = Wall::swallowed;
       overlaps = true;
-    } else if ((inside != 0) != (shells[i].sense() > 0)) {
+    } else if (looks_wrong_way(w, shells[i])) {
       inside_out.push_back(i);
     }
   }

@@ -10,4 +10,7 @@ namespace voidpath::orient {
 /// (shell_walls) and the volume with overlaps counted once.
 void settle_fill(Solid& solid, const run::Context& ctx);
 
+/// Only as far as facets have to be turned over for it.
+void settle_facets(Solid& solid, const run::Context& ctx);
+
 }  // namespace voidpath::orient

@@ -69,8 +69,15 @@ bool fits_volume(const Candidate& c) {
                            number(size.z(), 1) + " mm";
   const std::string room = number(limits.volume_mm[0], 1) + " × " + number(limits.volume_mm[1], 1) + " × " +
                            number(limits.volume_mm[2], 1) + " mm";
-  throw NothingFits("no orientation fits the printer: " + part + ", the build volume is " + room +
-                    " with " + number(limits.bed_margin_mm, 1) + " mm kept free around the part");
+  throw NothingFits("no orientation fits the printer: " + part + ", the build volume is " + room + " with " +
+                    number(limits.bed_margin_mm, 1) + " mm kept free around the part");
+}
+
+std::vector<Evaluation> look_at(const mesh::TriangleMesh& mesh, const std::vector<Vec3>& directions,
+                                const SearchOptions& options, const run::Context& ctx) {
+  if (options.method == Method::as_delivered && !options.all_criteria)
+    return {evaluate_standing(prepare_standing(mesh, ctx), directions.front(), options.limits)};
+  return evaluate_all(prepare_solid(mesh, ctx), directions, options, ctx);
 }
 
 /// "82 mm instead of 140 mm tall", or nothing where both print the same.
@@ -122,8 +129,7 @@ Choice search(const mesh::TriangleMesh& mesh, const SearchOptions& options, cons
   std::vector<Vec3> directions;
   directions.reserve(out.candidates.size());
   for (const Candidate& c : out.candidates) directions.push_back(c.direction);
-  const Solid solid = prepare_solid(mesh, ctx);
-  const std::vector<Evaluation> evaluations = evaluate_all(solid, directions, options, ctx);
+  const std::vector<Evaluation> evaluations = look_at(mesh, directions, options, ctx);
   for (std::size_t i = 0; i < evaluations.size(); ++i) {
     Candidate& c = out.candidates[i];
     c.criteria = evaluations[i].criteria;
@@ -133,8 +139,8 @@ Choice search(const mesh::TriangleMesh& mesh, const SearchOptions& options, cons
   score(out.candidates, out.weights);
 
   const bool only_printable = options.method == Method::toolpath;
-  const bool some_stand =
-      std::any_of(out.candidates.begin(), out.candidates.end(), [](const Candidate& c) { return c.printable; });
+  const bool some_stand = std::any_of(out.candidates.begin(), out.candidates.end(),
+                                      [](const Candidate& c) { return c.printable; });
   auto may_win = [&](const Candidate& c) {
     return !only_printable || c.printable || (!some_stand && fits_volume(c));
   };
@@ -153,7 +159,8 @@ Choice search(const mesh::TriangleMesh& mesh, const SearchOptions& options, cons
     return rank(a) < rank(b);
   });
   out.why = explain(out);
-  if (only_printable && !some_stand) out.why = "no orientation stands by itself, a brim has to hold the part: " + out.why;
+  if (only_printable && !some_stand)
+    out.why = "no orientation stands by itself, a brim has to hold the part: " + out.why;
   return out;
 }
 

@@ -61,6 +61,9 @@ struct SearchOptions {
   double normal_tolerance_deg = 5.0;
   double min_slab_mm = 0.5;
   double tie_tolerance = 1e-9;  ///< scores this near count as equal
+  /// Method::as_delivered only: false where nobody asks for more criteria than the height, which takes much
+  /// less time.
+  bool all_criteria = true;
   PrintLimits limits;
 };
 

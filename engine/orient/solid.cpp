@@ -242,9 +242,8 @@ void find_facets_at(Solid& s) {
     for (const Index v : s.triangles[t]) s.facets_at[next[v]++] = t;
 }
 
-}  // namespace
-
-Solid prepare_solid(const mesh::TriangleMesh& mesh, const run::Context& ctx) {
+/// Vertices, facets and shells as they come.
+Solid begin_solid(const mesh::TriangleMesh& mesh) {
   Solid s;
   const mesh::Bounds box = mesh::bounds(mesh);
   const Vec3 middle = 0.5 * (box.min + box.max);
@@ -259,6 +258,20 @@ Solid prepare_solid(const mesh::TriangleMesh& mesh, const run::Context& ctx) {
   find_neighbours(s);
   find_shells(s);
   find_normals(s);
+  return s;
+}
+
+}  // namespace
+
+Solid prepare_standing(const mesh::TriangleMesh& mesh, const run::Context& ctx) {
+  Solid s = begin_solid(mesh);
+  settle_facets(s, ctx);
+  find_facets_at(s);
+  return s;
+}
+
+Solid prepare_solid(const mesh::TriangleMesh& mesh, const run::Context& ctx) {
+  Solid s = begin_solid(mesh);
   find_spread(s);
   settle_fill(s, ctx);
   lay_in_columns(s);

@@ -53,4 +53,7 @@ struct Solid {
 /// Throws run::Stopped.
 Solid prepare_solid(const mesh::TriangleMesh& mesh, const run::Context& ctx);
 
+/// Only what tells how the part stands: no contacts, walls of shells, filled volume, spread and columns.
+Solid prepare_standing(const mesh::TriangleMesh& mesh, const run::Context& ctx);
+
 }  // namespace voidpath::orient
