@@ -110,4 +110,45 @@ void parallel_after(const Context& ctx, std::size_t count, const std::function<v
   outcome.rethrow();
 }
 
+void parallel_before(const Context& ctx, std::size_t count, const std::function<void(std::size_t)>& body,
+                     const std::function<void(std::size_t)>& link) {
+  std::vector<std::atomic<char>> done(count);
+  std::atomic<std::size_t> next{0};
+  Outcome outcome;
+  const auto finish = [&](std::size_t i) {
+    done[i] = 1;
+    done[i].notify_one();
+  };
+  // Whether there was one left to do.
+  const auto do_next = [&] {
+    const std::size_t i = next++;
+    if (i >= count || outcome.failed()) return false;
+    ctx.check();
+    body(i);
+    finish(i);
+    return true;
+  };
+  const auto in_order = [&] {
+    for (std::size_t i = 0; i < count; ++i) {
+      while (done[i] == 0 && do_next()) {
+      }
+      done[i].wait(0);
+      if (outcome.failed()) return;
+      ctx.check();
+      link(i);
+    }
+  };
+  const auto work = [&](unsigned worker) noexcept {
+    outcome.guard([&] {
+      if (worker == 0) return in_order();
+      while (do_next()) {
+      }
+    });
+    // After a failure nobody waits any longer.
+    for (std::size_t i = 0; i < count && outcome.failed(); ++i) finish(i);
+  };
+  on_threads(std::min<std::size_t>(ctx.thread_count(), count), work);
+  outcome.rethrow();
+}
+
 }  // namespace voidpath::run

@@ -1,9 +1,9 @@
 #pragma once
 
+#include "engine/run/context.h"
+
 #include <cstddef>
 #include <functional>
-
-#include "engine/run/context.h"
 
 namespace voidpath::run {
 
@@ -24,5 +24,10 @@ void parallel_for_workers(const Context& ctx, std::size_t count,
 /// threads, in any order. Exceptions and Stopped as above.
 void parallel_after(const Context& ctx, std::size_t count, const std::function<void(std::size_t)>& link,
                     const std::function<void(std::size_t)>& body);
+
+/// The other way round: body(i) once for every i, from up to ctx.thread_count() threads, begun in order;
+/// link(i) in order, from the calling thread, each after its own body. Exceptions and Stopped as above.
+void parallel_before(const Context& ctx, std::size_t count, const std::function<void(std::size_t)>& body,
+                     const std::function<void(std::size_t)>& link);
 
 }  // namespace voidpath::run

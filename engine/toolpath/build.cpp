@@ -187,11 +187,13 @@ class Builder {
     ctx_.progress("toolpaths", 0.9);
   }
 
+  /// One layer after the other, each from where the one below ended; its tips are held as soon as it is
+  /// there.
   void put_in_order() {
     plan_.layers.resize(below() + n_);
+    bare_.resize(stack_.size());
     Sequencer sequencer(part_, ctx_);
-    for (std::size_t k = 0; k < plan_.layers.size(); ++k) {
-      ctx_.check();
+    const auto order = [&](std::size_t k) {
       LayerPlan& layer = plan_.layers[k];
       layer.paths = sequencer.order(std::move(drafts_[k]), beads_[k]);
       if (k < below()) {
@@ -202,28 +204,29 @@ class Builder {
         layer.span.bottom_mm += raft_.lift_mm;
         layer.span.top_mm += raft_.lift_mm;
       }
-    }
+    };
+    run::parallel_after(ctx_, plan_.layers.size(), order, [&](std::size_t k) {
+      if (whole_ && k >= below()) hold_tips_of(k - below());
+    });
   }
 
-  /// What would hang is held, cut back, or told as an overhang.
+  void hold_tips_of(std::size_t i) {
+    const std::size_t bearer = i > 0 ? layer_below_gap(stack_, i, slice().support_z_gap_mm) : n_;
+    if (bearer < n_)
+      hold_tips(layer(i).paths, stack_[i].regions, stack_[i - 1].regions, printed_area(supports_[bearer]));
+    // Over an equal outline the same lines lie: nothing of them is over what is bare.
+    if (i + 1 < n_ && stack_[i + 1].regions != stack_[i].regions)
+      bare_[i] = bare_parts(walls_[i], layer(i).paths);
+  }
+
+  /// What still would hang is cut back, or told as an overhang.
   void mind_the_air() {
-    std::vector<geom::Regions> bare(stack_.size());
-    if (whole_) {
-      run::parallel_for(ctx_, n_, [&](std::size_t i) {
-        const std::size_t bearer = i > 0 ? layer_below_gap(stack_, i, slice().support_z_gap_mm) : n_;
-        if (bearer < n_)
-          hold_tips(layer(i).paths, stack_[i].regions, stack_[i - 1].regions,
-                    printed_area(supports_[bearer]));
-        // Over an equal outline the same lines lie: nothing of them is over what is bare.
-        if (i + 1 < n_ && stack_[i + 1].regions != stack_[i].regions)
-          bare[i] = bare_parts(walls_[i], layer(i).paths);
-      });
-      cut_threads(std::span(plan_.layers).subspan(below()), stack_, supports_, bare, slice(), ctx_);
-    }
+    if (whole_)
+      cut_threads(std::span(plan_.layers).subspan(below()), stack_, supports_, bare_, slice(), ctx_);
     run::parallel_for(ctx_, n_, [&](std::size_t g) {
       const std::size_t i = groups_[g].sample;
       if (i > 0)
-        mark_overhangs(layer(g).paths, stack_[i].regions, stack_[i - 1].regions, bare[i - 1],
+        mark_overhangs(layer(g).paths, stack_[i].regions, stack_[i - 1].regions, bare_[i - 1],
                        beads_[below() + g].width_mm, settings_.speed);
       layer(g).support = printed_area(supports_[g]);
     });
@@ -245,6 +248,7 @@ class Builder {
   std::vector<LayerDraft> drafts_;  ///< the raft's first
   std::vector<BeadSize> beads_;
   Plan plan_;
+  std::vector<geom::Regions> bare_;  ///< by layer: what walls and gap lines leave unprinted
   std::vector<double> dense_mm2_;
 };
 

@@ -19,8 +19,8 @@ namespace voidpath::toolpath {
 
 namespace {
 
-/// Text is handed to the stream in pieces of about this size, bytes.
-constexpr std::size_t kFlushBytes = 1 << 20;
+/// Text is handed to the stream in pieces of about this size, bytes: whoever reads along need not wait long.
+constexpr std::size_t kFlushBytes = 64 * 1024;
 /// Widths and heights that differ by less are the same to a reader of the comments, mm.
 constexpr double kSameWidthMm = 5e-4;
 
@@ -41,19 +41,13 @@ class Emitter {
     // Both are expanded first: a mistake in the end G-code must not show after an hour of printing.
     const std::string start = expand(settings_.machine.start_gcode, values, "start G-code");
     const std::string end = expand(settings_.machine.end_gcode, values, "end G-code");
-    plan_ways();
     write_header(header);
     if (!start.empty()) writer_.raw(start);
     writer_.begin();
     if (settings_.filament.linear_advance_s > 0)
       writer_.raw("M900 K" + decimal(settings_.filament.linear_advance_s, 4));
     writer_.fan(0);
-    for (std::size_t i = 0; i < plan_.layers.size(); ++i) {
-      ctx_.check();
-      layer(i);
-      if (writer_.text().size() > kFlushBytes) flush();
-      ctx_.progress("write", static_cast<double>(i + 1) / static_cast<double>(plan_.layers.size()));
-    }
+    write_layers();
     if (writer_.at()) retract_towards(*writer_.at());
     writer_.fan(0);
     if (!end.empty()) writer_.raw(end);
@@ -111,7 +105,8 @@ class Emitter {
       if (layer.paths[k].points.size() > 1) print(layer.paths[k], travels_[i][k], i);
   }
 
-  void plan_ways() {
+  /// Each as soon as the ways to its paths are found.
+  void write_layers() {
     const std::size_t n = plan_.layers.size();
     std::vector<std::optional<geom::Point>> start(n + 1);
     for (std::size_t i = 0; i < n; ++i) {
@@ -120,10 +115,16 @@ class Emitter {
     }
     travels_.resize(n);
     paces_.resize(n);
-    run::parallel_for(ctx_, n, [&](std::size_t i) {
+    const auto find_ways = [&](std::size_t i) {
       travels_[i] = plan_travels(plan_.layers[i], start[i], settings_);
       paces_[i] = pace_of_layer(plan_.layers[i], i, settings_, limits_, travels_[i]);
-    });
+    };
+    const auto write = [&](std::size_t i) {
+      layer(i);
+      if (writer_.text().size() > kFlushBytes) flush();
+      ctx_.progress("write", static_cast<double>(i + 1) / static_cast<double>(n));
+    };
+    run::parallel_before(ctx_, n, find_ways, write);
   }
 
   void print(const Path& path, const Travel& travel, std::size_t i) {

@@ -12,7 +12,7 @@ namespace {
 
 using Work = std::function<void(std::size_t)>;
 
-// A way to run `count` pieces of work; in a chain, as its links or as what follows them.
+// A way to run `count` pieces of work; in a chain, as its links, what follows them or what they wait for.
 struct Way {
   const char* name;
   std::function<void(const Context&, std::size_t count, const Work&)> run;
@@ -27,6 +27,10 @@ std::vector<Way> ways() {
                                const Work& work) { parallel_after(ctx, count, work, nothing); }},
       {"what follows a chain", [=](const Context& ctx, std::size_t count,
                                    const Work& work) { parallel_after(ctx, count, nothing, work); }},
+      {"what a chain waits for", [=](const Context& ctx, std::size_t count,
+                                     const Work& work) { parallel_before(ctx, count, work, nothing); }},
+      {"links that wait", [=](const Context& ctx, std::size_t count,
+                              const Work& work) { parallel_before(ctx, count, nothing, work); }},
   };
 }
 
@@ -135,6 +139,21 @@ TEST_CASE("what follows a chain sees its own link done, and every link the one b
           ctx, count, [&](std::size_t i) { links[i] = sum += i + 1; },
           [&](std::size_t i) { found[i] += links[i]; });
       for (std::size_t i = 0; i < count; ++i) REQUIRE(found[i] == (i + 1) * (i + 2) / 2);
+    }
+}
+
+TEST_CASE("a chain that waits for bodies sees each of its own done, in order") {
+  for (const unsigned threads : {1u, 2u, 3u, 8u})
+    for (const std::size_t count : {0u, 1u, 7u, 1000u}) {
+      Context ctx;
+      ctx.threads = threads;
+      std::vector<std::size_t> found(count);
+      std::vector<std::size_t> order;  // by the chain alone, from one thread
+      parallel_before(
+          ctx, count, [&](std::size_t i) { found[i] += i + 1; },
+          [&](std::size_t i) { order.push_back(found[i]); });
+      REQUIRE(order.size() == count);
+      for (std::size_t i = 0; i < count; ++i) REQUIRE(order[i] == i + 1);
     }
 }
 
