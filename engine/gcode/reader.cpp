@@ -8,7 +8,7 @@
 namespace voidpath::gcode {
 namespace {
 
-constexpr std::size_t kPiece = 256 * 1024;  ///< read at once, bytes
+constexpr std::size_t kPiece = 64 * 1024;  ///< read at once, bytes
 /// No firmware has codes beyond this; a larger number is not a command.
 constexpr int kMaxCode = 100000;
 
