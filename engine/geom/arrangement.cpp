@@ -29,6 +29,9 @@ constexpr std::size_t kFewEdges = 40;
 constexpr std::int64_t kEdgesPerStrip = 8;
 
 using Index = std::uint32_t;
+template <class T>
+using Vector = std::pmr::vector<T>;
+using Memory = std::pmr::memory_resource*;
 
 struct Cut {
   Index edge;
@@ -68,27 +71,33 @@ bool overlap(const Span& s, const Span& t) {
 }
 
 /// Edges sorted into strips of equal height that lie above one another, each strip swept from left to right:
-/// two edges whose spans overlap meet once, in the strip in which the higher one begins.
+/// two edges whose spans overlap meet once, in the strip in which the higher one begins; the one that begins
+/// further left is named first.
 class StripSweep {
  public:
-  explicit StripSweep(const std::vector<Span>& spans) : spans_(spans) {
+  StripSweep(const Vector<Span>& spans, Memory memory)
+      : spans_(spans), used_(memory), strips_(memory), by_column_(memory), begun_(memory) {
     if (spans.empty()) return;
     std::int64_t tall = 0;
-    std::int32_t top = spans.front().top;
-    bottom_ = spans.front().bottom;
+    Span all = spans.front();
     for (const Span& s : spans) {
-      bottom_ = std::min(bottom_, s.bottom);
-      top = std::max(top, s.top);
+      all = {std::min(all.left, s.left), std::max(all.right, s.right), std::min(all.bottom, s.bottom),
+             std::max(all.top, s.top)};
       tall += std::int64_t{s.top} - s.bottom;
     }
     const auto n = static_cast<std::int64_t>(spans.size());
-    const std::int64_t all = std::int64_t{top} - bottom_ + 1;
-    per_height_ = 1 / static_cast<double>(std::max(tall / n, all * kEdgesPerStrip / n) + 1);
-    strips_.assign(strip(top) + 1, kEnd);
+    const std::int64_t height = std::int64_t{all.top} - all.bottom + 1;
+    const std::int64_t width = std::int64_t{all.right} - all.left + 1;
+    bottom_ = all.bottom;
+    left_ = all.left;
+    per_height_ = 1 / static_cast<double>(std::max(tall / n, height * kEdgesPerStrip / n) + 1);
+    per_width_ = static_cast<double>(n) / static_cast<double>(width);
+    strips_.assign(strip(all.top) + 1, kEnd);
+    sort_into_columns(memory);
   }
 
   /// Only strips with one of these edges are swept.
-  void keep_only(const std::vector<char>& wanted) {
+  void keep_only(const Vector<char>& wanted) {
     used_.assign(strips_.size(), 0);
     for (std::size_t i = 0; i < spans_.size(); ++i)
       if (wanted[i] != 0)
@@ -98,20 +107,13 @@ class StripSweep {
 
   template <class Meet>
   void run(const Meet& meet) {
-    std::vector<std::uint64_t> by_left;
-    by_left.reserve(spans_.size());
-    for (std::size_t i = 0; i < spans_.size(); ++i) {
-      const auto left = static_cast<std::uint64_t>(std::int64_t{spans_[i].left} + (std::int64_t{1} << 31));
-      by_left.push_back(left << 32 | i);
-    }
-    std::sort(by_left.begin(), by_left.end());
     begun_.reserve(2 * spans_.size());
-    for (const std::uint64_t key : by_left) {
-      const auto i = static_cast<Index>(key & 0xffffffff);
-      const Span& s = spans_[i];
-      const std::size_t first = strip(s.bottom), last = strip(s.top);
+    for (const Index i : by_column_) {
+      const Begun now{spans_[i], i, column(spans_[i].right), kEnd};
+      const std::size_t here = column(now.span.left);
+      const std::size_t first = strip(now.span.bottom), last = strip(now.span.top);
       for (std::size_t k = first; k <= last; ++k)
-        if (used_.empty() || used_[k] != 0) pass(k, i, s, meet);
+        if (used_.empty() || used_[k] != 0) pass(k, here, now, k == first, meet);
     }
   }
 
@@ -122,45 +124,75 @@ class StripSweep {
   struct Begun {
     Span span;
     Index edge;
+    Index last_column;
     Index next;  ///< of the same strip
   };
 
   std::size_t strip(std::int32_t y) const {
     return static_cast<std::size_t>(static_cast<double>(std::int64_t{y} - bottom_) * per_height_);
   }
+  /// As many as there are edges, of equal width, and rising with x: what ends in an earlier one ends before
+  /// anything that begins in a later one.
+  Index column(std::int32_t x) const {
+    return static_cast<Index>(static_cast<double>(std::int64_t{x} - left_) * per_width_);
+  }
+
+  /// By counting, which is quicker than to sort them by where they begin.
+  void sort_into_columns(Memory memory) {
+    Vector<Index> next(spans_.size() + 2, 0, memory);
+    for (const Span& s : spans_) ++next[column(s.left) + 1];
+    for (std::size_t c = 1; c < next.size(); ++c) next[c] += next[c - 1];
+    by_column_.resize(spans_.size());
+    for (Index i = 0; i < spans_.size(); ++i) by_column_[next[column(spans_[i].left)]++] = i;
+  }
 
   template <class Meet>
-  void pass(std::size_t here, Index i, const Span& s, const Meet& meet) {
-    // Both are in this strip: below its border, or in the strip in which the higher one begins.
-    const bool begins = strip(s.bottom) == here;
+  void pass(std::size_t here, std::size_t column_now, const Begun& now, bool begins, const Meet& meet) {
+    const Span& s = now.span;
     Index* from = &strips_[here];
     while (*from != kEnd) {
       const Begun& other = begun_[*from];
-      if (other.span.right < s.left) {
+      if (other.last_column < column_now) {
         *from = other.next;
         continue;
       }
-      if (other.span.bottom <= s.top && s.bottom <= other.span.top &&
-          (begins || strip(other.span.bottom) == here))
-        meet(other.edge, i);
+      // Both are in this strip: below its border, or in the strip in which the higher one begins.
+      if (overlap(other.span, s) && (begins || strip(other.span.bottom) == here)) {
+        const bool later = other.span.left != s.left ? other.span.left > s.left : other.edge > now.edge;
+        later ? meet(now.edge, other.edge) : meet(other.edge, now.edge);
+      }
       from = &begun_[*from].next;
     }
-    const Index old = strips_[here];
-    strips_[here] = static_cast<Index>(begun_.size());
-    begun_.push_back({s, i, old});
+    const Index old = std::exchange(strips_[here], static_cast<Index>(begun_.size()));
+    begun_.push_back(now);
+    begun_.back().next = old;
   }
 
-  const std::vector<Span>& spans_;
+  const Vector<Span>& spans_;
   std::int32_t bottom_ = 0;
+  std::int32_t left_ = 0;
   double per_height_ = 1;
-  std::vector<char> used_;     ///< strips; all if empty
-  std::vector<Index> strips_;  ///< the last begun of each
-  std::vector<Begun> begun_;
+  double per_width_ = 1;
+  Vector<char> used_;     ///< strips; all if empty
+  Vector<Index> strips_;  ///< the last begun of each
+  Vector<Index> by_column_;
+  Vector<Begun> begun_;
 };
 
 class Arranger {
  public:
-  explicit Arranger(std::span<const Ring* const> lines) {
+  Arranger(std::span<const Ring* const> lines, Memory memory)
+      : memory_(memory),
+        out_(memory),
+        doubtful_(memory),
+        sides_(memory),
+        next_(memory),
+        close_(memory),
+        cuts_(memory) {
+    std::size_t corners = 0;
+    for (const Ring* line : lines) corners += line->size();
+    out_.corners.reserve(corners);
+    out_.first.reserve(lines.size() + 1);
     out_.first.push_back(0);
     for (const Ring* line : lines) {
       const std::size_t begin = out_.corners.size();
@@ -200,26 +232,29 @@ class Arranger {
       }
   }
 
+  Vector<Span> spans() const {
+    Vector<Span> out(memory_);
+    out.reserve(sides_.size());
+    for (const Side& s : sides_) out.push_back(span_of(s));
+    return out;
+  }
+
   void find_all() {
-    std::vector<Span> spans;
-    spans.reserve(sides_.size());
-    for (const Side& s : sides_) spans.push_back(span_of(s));
+    const Vector<Span> spans = this->spans();
     if (spans.size() <= kFewEdges) {
       for (Index k = 1; k < spans.size(); ++k)
         for (Index i = 0; i < k; ++i)
           if (overlap(spans[i], spans[k])) meet(i, k);
     } else {
-      StripSweep(spans).run([&](Index i, Index k) { meet(i, k); });
+      StripSweep(spans, memory_).run([&](Index i, Index k) { meet(i, k); });
     }
     for (Index i = 0; i < next_.size(); ++i) fold(i, next_[i]);
   }
 
   /// Looks for what doubtful edges meet that was not met before.
   void find_again() {
-    std::vector<Span> spans;
-    spans.reserve(sides_.size());
-    for (const Side& s : sides_) spans.push_back(span_of(s));
-    StripSweep sweep(spans);
+    const Vector<Span> spans = this->spans();
+    StripSweep sweep(spans, memory_);
     sweep.keep_only(doubtful_);
     sweep.run([&](Index i, Index k) {
       if (doubtful_[i] != 0 || doubtful_[k] != 0) meet(i, k);
@@ -305,7 +340,7 @@ class Arranger {
     std::sort(cuts_.begin(), cuts_.end(), [](const Cut& a, const Cut& b) {
       return a.edge != b.edge ? a.edge < b.edge : a.along != b.along ? a.along < b.along : a.at < b.at;
     });
-    Arrangement old = std::exchange(out_, {});
+    const Arrangement old = std::exchange(out_, Arrangement(memory_));
     out_.corners.reserve(old.corners.size() + cuts_.size());
     out_.first.push_back(0);
     doubtful_.clear();
@@ -332,16 +367,19 @@ class Arranger {
     return any;
   }
 
+  Memory memory_;
   Arrangement out_;
-  std::vector<char> doubtful_;  ///< by edge, which has its first corner's number
-  std::vector<Side> sides_;
-  std::vector<Index> next_;
-  std::vector<char> close_;  ///< by edge: being bent, it could meet what it did not meet
-  std::vector<Cut> cuts_;
+  Vector<char> doubtful_;  ///< by edge, which has its first corner's number
+  Vector<Side> sides_;
+  Vector<Index> next_;
+  Vector<char> close_;  ///< by edge: being bent, it could meet what it did not meet
+  Vector<Cut> cuts_;
 };
 
 }  // namespace
 
-std::optional<Arrangement> arrange(std::span<const Ring* const> lines) { return Arranger(lines).run(); }
+std::optional<Arrangement> arrange(std::span<const Ring* const> lines, std::pmr::memory_resource* memory) {
+  return Arranger(lines, memory).run();
+}
 
 }  // namespace voidpath::geom

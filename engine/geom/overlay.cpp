@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
+#include <memory_resource>
 #include <utility>
 
 namespace voidpath::geom {
@@ -15,7 +17,13 @@ namespace voidpath::geom {
 namespace {
 
 using Index = std::uint32_t;
+template <class T>
+using Vector = std::pmr::vector<T>;
+using Memory = std::pmr::memory_resource*;
 constexpr Index kNone = std::numeric_limits<Index>::max();
+
+/// Of the stack, bytes: what overlays of some six hundred edges need, and little beside a thread's stack.
+constexpr std::size_t kRoom = 128 * 1024;
 
 /// How often a place is gone around, by each of the two sets.
 using Winding = std::array<int, 2>;
@@ -55,8 +63,20 @@ bool turns_before(const Point& u, const Point& v) {
 
 class Overlayer {
  public:
-  Overlayer(const Arrangement& arrangement, std::size_t lines_of_a)
-      : all_(arrangement), lines_of_a_(lines_of_a) {}
+  Overlayer(const Arrangement& arrangement, std::size_t lines_of_a, Memory memory)
+      : all_(arrangement),
+        lines_of_a_(lines_of_a),
+        memory_(memory),
+        node_of_(memory),
+        chains_(memory),
+        spokes_(memory),
+        spokes_at_(memory),
+        boxes_(memory),
+        reached_(memory),
+        known_(memory),
+        todo_(memory),
+        sides_(memory),
+        visits_(memory) {}
 
   template <class Inside>
   std::optional<Regions> run(const Inside& inside) {
@@ -76,7 +96,7 @@ class Overlayer {
 
   /// Corners at one place are one node.
   void number_nodes() {
-    std::vector<std::pair<Point, Index>> found;
+    Vector<std::pair<Point, Index>> found(memory_);
     for (Index i = 0; i < all_.corners.size(); ++i)
       if (all_.corners[i].node) found.emplace_back(at(i), i);
     if (found.empty()) return;
@@ -113,7 +133,7 @@ class Overlayer {
 
   /// Chains that lie on one another are single edges: inner corners would be nodes.
   void merge_chains() {
-    std::vector<Index> single;
+    Vector<Index> single(memory_);
     for (Index c = 0; c < chains_.size(); ++c)
       if (chains_[c].from != kNone && chains_[c].edges == 1) single.push_back(c);
     auto ends = [&](Index c) { return std::minmax(chains_[c].from, chains_[c].to); };
@@ -136,8 +156,9 @@ class Overlayer {
 
   /// The corner after `steps` edges of the chain.
   Index corner(const Chain& chain, Index steps) const {
-    const Index begin = all_.first[chain.line], n = all_.first[chain.line + 1] - begin;
-    return begin + (chain.first - begin + steps) % n;
+    const Index begin = all_.first[chain.line], end = all_.first[chain.line + 1];
+    const Index on = chain.first + steps;  // a chain goes around its line once at most
+    return on < end ? on : on - (end - begin);
   }
 
   Point edge(const Chain& chain, Index from, Index to) const {
@@ -153,7 +174,7 @@ class Overlayer {
       if (counts(c)) ++spokes_at_[c.from + 1], ++spokes_at_[c.to + 1];
     for (std::size_t k = 0; k < node_count_; ++k) spokes_at_[k + 1] += spokes_at_[k];
     spokes_.resize(spokes_at_.back());
-    std::vector<Index> next(spokes_at_.begin(), spokes_at_.end() - 1);
+    Vector<Index> next(spokes_at_.begin(), spokes_at_.end() - 1, memory_);
     for (Index c = 0; c < chains_.size(); ++c) {
       const Chain& chain = chains_[c];
       if (!counts(chain)) continue;
@@ -176,8 +197,8 @@ class Overlayer {
   }
 
   /// The chains that hang together with chain c by nodes, c among them.
-  std::vector<Index> connected(Index c) {
-    std::vector<Index> out{c};
+  Vector<Index> connected(Index c) {
+    Vector<Index> out({c}, memory_);
     chains_[c].done = true;
     if (chains_[c].from == kNone) return out;
     for (std::size_t k = 0; k < out.size(); ++k)
@@ -202,7 +223,7 @@ class Overlayer {
 
   bool find_windings() {
     reached_.assign(node_count_, 0);
-    std::vector<Seed> seeds;
+    Vector<Seed> seeds(memory_);
     for (Index c = 0; c < chains_.size(); ++c) {
       if (chains_[c].done || !chains_[c].counts) continue;
       Seed seed{kNone, 0, {}};
@@ -353,12 +374,12 @@ class Overlayer {
   }
 
   bool trace_chains() {
-    std::vector<char> used(chains_.size(), 0);
+    Vector<char> used(chains_.size(), 0, memory_);
     visits_.assign(node_count_, 0);
     for (Index c = 0; c < chains_.size(); ++c)
       if (chains_[c].from != kNone && sides_[c] != Side::none) ++visits_[far_node(c)];
-    std::vector<Index> place(node_count_, kNone);  // of a node in the path at hand
-    std::vector<Index> path;
+    Vector<Index> place(node_count_, kNone, memory_);  // of a node in the path at hand
+    Vector<Index> path(memory_);
     for (Index c = 0; c < chains_.size(); ++c) {
       if (used[c] != 0 || chains_[c].from == kNone || sides_[c] == Side::none) continue;
       Index start = sides_[c] == Side::left ? chains_[c].from : chains_[c].to;
@@ -382,7 +403,7 @@ class Overlayer {
   }
 
   /// The border is back at a node: what lies between is a ring.
-  void cut_ring(std::vector<Index>& path, std::vector<Index>& place, Index node) {
+  void cut_ring(Vector<Index>& path, Vector<Index>& place, Index node) {
     TracedRing t;
     const std::size_t begin = place[node];
     for (std::size_t k = begin; k < path.size(); ++k) {
@@ -403,29 +424,33 @@ class Overlayer {
 
   const Arrangement& all_;
   std::size_t lines_of_a_;
-  std::vector<Index> node_of_;  ///< by corner, where it is one
+  Memory memory_;
+  Vector<Index> node_of_;  ///< by corner, where it is one
   Index node_count_ = 0;
-  std::vector<Chain> chains_;
-  std::vector<Spoke> spokes_;          ///< by node, counter-clockwise
-  std::vector<Index> spokes_at_;       ///< first of each node, and the end of the last
-  std::vector<Box> boxes_;             ///< of lines
-  std::vector<char> reached_;          ///< nodes
-  std::vector<char> known_;            ///< chains whose sides are known
-  std::vector<Index> todo_;            ///< nodes next to known chains
-  std::vector<Side> sides_;            ///< by chain
-  std::vector<std::uint32_t> visits_;  ///< of the border, by node
+  Vector<Chain> chains_;
+  Vector<Spoke> spokes_;          ///< by node, counter-clockwise
+  Vector<Index> spokes_at_;       ///< first of each node, and the end of the last
+  Vector<Box> boxes_;             ///< of lines
+  Vector<char> reached_;          ///< nodes
+  Vector<char> known_;            ///< chains whose sides are known
+  Vector<Index> todo_;            ///< nodes next to known chains
+  Vector<Side> sides_;            ///< by chain
+  Vector<std::uint32_t> visits_;  ///< of the border, by node
   std::vector<TracedRing> traced_;
 };
 
 template <class Inside>
 std::optional<Regions> run(const Rings& a, const Rings& b, const Inside& inside) {
-  std::vector<const Ring*> lines;
+  // What is needed on the way is many small vectors: most overlays find room for all of them here.
+  std::array<std::byte, kRoom> room;
+  std::pmr::monotonic_buffer_resource memory(room.data(), room.size());
+  Vector<const Ring*> lines(&memory);
   lines.reserve(a.size() + b.size());
   for (const Ring& ring : a) lines.push_back(&ring);
   for (const Ring& ring : b) lines.push_back(&ring);
-  const std::optional<Arrangement> arrangement = arrange(lines);
+  const std::optional<Arrangement> arrangement = arrange(lines, &memory);
   if (!arrangement) return std::nullopt;
-  return Overlayer(*arrangement, a.size()).run(inside);
+  return Overlayer(*arrangement, a.size(), &memory).run(inside);
 }
 
 }  // namespace
