@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace voidpath::geom {
 
@@ -22,16 +23,19 @@ Point between(const Point& a, const Point& b, double t) {
 AreaGrid::AreaGrid(const Regions& regions) : edges_(edges_of(rings_of(regions))), grid_(edges_) {}
 
 bool AreaGrid::contains(const Point& p) const {
-  std::vector<std::uint32_t> hits;  // an edge is in several cells
+  bool inside = false;
+  std::span<const std::uint32_t> before;  // an edge is in neighbouring cells of a row, or in one
   grid_.right_of(p, [&](std::size_t c) {
-    for (const std::uint32_t i : grid_.cell(c)) {
+    const std::span<const std::uint32_t> cell = grid_.cell(c);
+    for (const std::uint32_t i : cell) {
       const Edge& e = edges_[i];
       if ((e.a.y > p.y) == (e.b.y > p.y)) continue;
-      if ((orientation(e.a, e.b, p) > 0) == (e.b.y > e.a.y)) hits.push_back(i);
+      if ((orientation(e.a, e.b, p) > 0) != (e.b.y > e.a.y)) continue;
+      if (!std::binary_search(before.begin(), before.end(), i)) inside = !inside;
     }
+    before = cell;
   });
-  std::sort(hits.begin(), hits.end());
-  return (std::unique(hits.begin(), hits.end()) - hits.begin()) % 2 == 1;
+  return inside;
 }
 
 void AreaGrid::crossings(const Point& a, const Point& b, std::vector<Crossing>& out) const {
