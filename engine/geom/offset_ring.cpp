@@ -61,7 +61,7 @@ class RingOffset {
     std::vector<char> out(n, 1);
     for (std::size_t i = 0; i < n; ++i) {
       const std::size_t k = (i + 1) % n;
-      const double room = distance(ring_[i], ring_[k]) - kShortestEdgeNm;
+      const double room = std::max(distance(ring_[i], ring_[k]) - kShortestEdgeNm, 0.0);
       if (trim[i] + trim[k] <= room) continue;
       // Of two that share an edge, one at least wants more than half.
       if (trim[i] > room / 2) out[i] = 0;

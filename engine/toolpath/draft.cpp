@@ -2,6 +2,7 @@
 
 #include "engine/geom/polygon_ops.h"
 #include "engine/toolpath/bead.h"
+#include "engine/toolpath/bead_area.h"
 #include "engine/toolpath/bridge_lines.h"
 #include "engine/toolpath/concentric_fill.h"
 #include "engine/toolpath/fermat_fill.h"
@@ -13,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
 
 namespace voidpath::toolpath {
 
@@ -27,13 +29,40 @@ constexpr double kSparseToleranceMm = 0.05;
 /// one.
 constexpr double kIntoWallsWidths = 0.95;
 
-void add_bridge(std::vector<Path>& out, const BridgeArea& bridge, const BeadSize& bead,
-                const PrintSettings& settings) {
+/// Without walls, what the lines leave bare is filled from this width on, in widths of a line; less the
+/// squeeze of the beads beside it closes.
+constexpr double kLeastBareWidths = 0.5;
+
+/// Where the centre lines of a layer's fill may run. Fill overlaps the walls as asked; without walls it
+/// overlaps other fill so, and keeps half a width inside the outline.
+class Domains {
+ public:
+  Domains(const geom::Regions& outline, const BeadSize& bead, const SliceSettings& settings)
+      : bead_(bead), overlap_(settings.infill_overlap) {
+    if (settings.perimeters <= 0) within_ = geom::offset(outline, -from_mm(0.5 * bead.width_mm));
+  }
+
+  geom::Regions of(const geom::Regions& area) const {
+    geom::Regions out = centre_line_area(area, bead_, overlap_);
+    return within_ ? quick_intersect(out, *within_) : out;
+  }
+
+  /// Without walls: none of the fill's lines may fit what of an area is narrower than this, mm.
+  double least_width_mm() const { return (0.5 - overlap_) * bead_.width_mm + 1.5 * bead_.spacing_mm(); }
+
+ private:
+  const BeadSize& bead_;
+  double overlap_;
+  std::optional<geom::Regions> within_;
+};
+
+void add_bridge(std::vector<Path>& out, const BridgeArea& bridge, const Domains& domains,
+                const BeadSize& bead, const PrintSettings& settings) {
   const double strand = settings.machine.nozzle_mm;
   const double flow = settings.slice.bridge_flow;
   const double width = strand * std::sqrt(flow);
   const double into_walls = settings.slice.perimeters > 0 ? kIntoWallsWidths * bead.width_mm : 0;
-  for (const auto& domain : centre_line_area(bridge.area, bead, fill_overlap(settings.slice, bead)))
+  for (const auto& domain : domains.of(bridge.area))
     for (auto& line : bridge_lines(domain, bridge.ground, bridge.angle_rad, strand, into_walls))
       out.push_back(make_path(Role::bridge_infill, std::move(line), false, width, width,
                               flow * strand_area_mm2(strand)));
@@ -54,6 +83,22 @@ void add_solid(std::vector<Path>& out, Role role, SolidPattern pattern, const ge
   RingFill fill = pattern == SolidPattern::fermat ? fermat_fill(domain, bead) : concentric_fill(domain, bead);
   add_fill(out, role, std::move(fill.lines), bead, settings.resolution_mm);
   add_gap_lines(out, fill.gaps, bead, settings.resolution_mm);
+}
+
+/// What of the areas the lines leave bare: without walls a border that runs along the fill's lines may lie as
+/// far as a line from the last of them.
+geom::Regions left_bare(const geom::Regions& areas, const std::vector<IslandDraft>& islands,
+                        const BeadSize& bead) {
+  geom::Rings beads;
+  for (const IslandDraft& island : islands)
+    for (const Path& path : island.fills) {
+      geom::Polyline line = path.points;
+      if (path.closed) line.push_back(line.front());
+      add_beads(beads, line, path.width_mm * geom::kNmPerMm);
+    }
+  const double least = kLeastBareWidths * bead.width_mm;
+  const geom::Regions bare = geom::open(quick_subtract(areas, geom::unite(beads)), from_mm(0.5 * least));
+  return geom::remove_small(bare, least * bead.width_mm * geom::kNmPerMm * geom::kNmPerMm);
 }
 
 /// Infill of several layers at once: a bead as high as they are, at least as wide as that.
@@ -109,21 +154,33 @@ LayerDraft draft_layer(const slice::Layer& layer, std::size_t index, LayerWalls&
     add_thin_lines(out.islands.back().fills, island.thin, bead, s.resolution_mm);
   }
   const Sharer sharer(layer.regions);
+  const Domains domains(layer.regions, bead, s);
   auto each = [&](const geom::Regions& areas, auto&& fill) {
-    for (const auto& domain : centre_line_area(areas, bead, fill_overlap(s, bead)))
+    for (const auto& domain : domains.of(areas))
       if (!domain.outer.empty()) fill(domain, out.islands[sharer.owner(domain)].fills);
   };
   for (const auto& bridge : surfaces.bridges)
     if (!bridge.area.empty())
-      add_bridge(out.islands[sharer.owner(bridge.area.front())].fills, bridge, bead, settings);
+      add_bridge(out.islands[sharer.owner(bridge.area.front())].fills, bridge, domains, bead, settings);
   for (const auto& bridge : surfaces.internal_bridges)
     each(bridge.area, [&](const geom::Region& domain, std::vector<Path>& fills) {
       add_internal_bridge(fills, domain, bridge.anchored ? bridge.angle_rad : directions.over_sparse, bead,
                           s);
     });
-  each(surfaces.solid, [&](const geom::Region& domain, std::vector<Path>& fills) {
-    add_solid(fills, Role::solid_infill, s.solid_pattern, domain, directions.solid, bead, s);
-  });
+  geom::Regions skins;  // without walls
+  auto solid = [&](const geom::Regions& areas, Role role, SolidPattern pattern) {
+    const auto add = [&](const geom::Region& domain, std::vector<Path>& fills) {
+      add_solid(fills, role, pattern, domain, directions.solid, bead, s);
+    };
+    if (s.perimeters > 0) return each(areas, add);
+    geom::Regions strips, wide = areas;
+    take_strips(strips, wide, domains.least_width_mm(), bead);
+    for (const auto& strip : strips)
+      add_gap_lines(out.islands[sharer.owner(strip)].fills, {strip}, bead, s.resolution_mm);
+    each(wide, add);
+    append(skins, std::move(wide));
+  };
+  solid(surfaces.solid, Role::solid_infill, s.solid_pattern);
   const double plain = std::max(s.resolution_mm, kSparseToleranceMm);
   if (s.infill_pattern == InfillPattern::lightning) {
     for (const auto& line : lightning)
@@ -139,9 +196,12 @@ LayerDraft draft_layer(const slice::Layer& layer, std::size_t index, LayerWalls&
                plain);
     });
   }
-  each(surfaces.top, [&](const geom::Region& domain, std::vector<Path>& fills) {
-    add_solid(fills, Role::top_solid_infill, s.top_pattern, domain, directions.solid, bead, s);
-  });
+  solid(surfaces.top, Role::top_solid_infill, s.top_pattern);
+  if (s.perimeters <= 0)
+    for (const auto& bridge : surfaces.bridges) append(skins, geom::Regions(bridge.area));
+  if (!skins.empty())
+    for (const auto& strip : left_bare(skins, out.islands, bead))
+      add_gap_lines(out.islands[sharer.owner(strip)].fills, {strip}, bead, s.resolution_mm);
   out.support = support_lines(support, index, bead, s);
   return out;
 }

@@ -128,9 +128,16 @@ Perimeters make_perimeters(const geom::Region& outline, int count, const BeadSiz
   // Without walls the fill's lines keep half a width inside the outline: none may fit a strip narrower than
   // this.
   const double least = count > 0 ? kMaxGapSpacings * spacing : bead.width_mm + spacing;
-  out.inner = geom::open(area, std::max<geom::Coord>(from_mm(0.5 * least) - kOffsetSlack, 0));
-  collect_gaps(out.gaps, area, out.inner, bead);
+  out.inner = std::move(area);
+  take_strips(out.gaps, out.inner, least, bead);
+  if (count == 0) out.inner = quick_intersect(out.inner, {outline});
   return out;
+}
+
+void take_strips(Regions& strips, Regions& area, double least_mm, const BeadSize& bead) {
+  Regions wide = geom::open(area, std::max<geom::Coord>(from_mm(0.5 * least_mm) - kOffsetSlack, 0));
+  collect_gaps(strips, area, wide, bead);
+  area = std::move(wide);
 }
 
 }  // namespace voidpath::toolpath

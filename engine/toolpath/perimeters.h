@@ -38,4 +38,8 @@ struct Perimeters {
 /// Walls of one region.
 Perimeters make_perimeters(const geom::Region& outline, int count, const BeadSize& bead);
 
+/// Moves what of an area is narrower than this to `strips`, which are to be lines of their own, but for
+/// threads too thin to print.
+void take_strips(geom::Regions& strips, geom::Regions& area, double least_mm, const BeadSize& bead);
+
 }  // namespace voidpath::toolpath

@@ -114,6 +114,26 @@ TEST_CASE("offsets are where the distance says they are") {
   CHECK(crossing > 50);
 }
 
+TEST_CASE("no corner of what shrinks stays behind where the border has a step of a few nm") {
+  std::mt19937 random(7);
+  std::uniform_int_distribution<Coord> jog(-40, 40), step(20'000, 900'000), tread(1, 3);
+  const Coord by = 225'000;
+  for (int round = 0; round < 400; ++round) {
+    Ring ring{{0, 0}, {5 * kMm, 0}, {5 * kMm, 5 * kMm}, {0, 5 * kMm}};
+    for (Coord y = 5 * kMm - step(random); y > 0; y -= step(random)) {
+      ring.push_back({jog(random), y});
+      ring.push_back({ring.back().x - tread(random), y});
+    }
+    const Regions square{{ring, {}}};
+    const Regions small = offset(square, -by);
+    REQUIRE(small.size() == 1);
+    double least = 1e300;
+    for (const Point& p : small.front().outer) least = std::min(least, distance_to_border(square, p));
+    CAPTURE(round);
+    CHECK(least >= static_cast<double>(by) - 60);
+  }
+}
+
 TEST_CASE("mitered and squared offsets agree with the clipper's") {
   std::mt19937 random(41);
   for (int round = 0; round < 80; ++round) {

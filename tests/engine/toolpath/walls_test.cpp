@@ -81,6 +81,51 @@ TEST_CASE("without walls, a strip beside a wide area is printed as well") {
   }
 }
 
+TEST_CASE("without walls, skins and bridges that meet leave nothing bare between them or at the border") {
+  auto s = bare_settings();
+  s.slice.perimeters = 0;
+  s.slice.infill_density = 1;
+  // A cone's layers each have a ring of top skin, and so does what leans back; an L on three posts is bridged
+  // both ways.
+  const auto lean = stack_of(3, 0.2, [](double z) {
+    return geom::Regions{rectangle(50 + 0.9 * z, 50, 65, 56), rectangle(70, 50, 78 - 2 * z, 50.6 + 2 * z)};
+  });
+  const auto corner = stack_of(3, 0.2, [](double z) {
+    const geom::Regions posts{rectangle(50, 50, 53, 53), rectangle(60, 50, 63, 53),
+                              rectangle(50, 60, 53, 63)};
+    return z < 2 ? posts : geom::unite({rectangle(50, 50, 63, 53).outer, rectangle(50, 50, 53, 63).outer});
+  });
+  for (const auto& stack : {cone_stack(8, 4, 2), lean, corner}) {
+    const auto plan = toolpath::build(stack, s);
+    for (std::size_t i = 1; i < plan.layers.size(); ++i) {
+      CAPTURE(i);
+      const auto beads = covered(plan.layers[i], [](const toolpath::Path&) { return true; });
+      const auto bare = geom::subtract(stack[i].regions, beads);
+      CHECK(geom::open(bare, from_mm(0.17)).empty());
+      for (const auto& path : plan.layers[i].paths) {
+        const auto inside = geom::offset(stack[i].regions, -from_mm(0.5 * path.width_mm - 0.06));
+        CHECK(geom::clip_outside({line_of(path)}, inside).empty());
+      }
+    }
+  }
+}
+
+TEST_CASE("without walls, what is filled stays inside where a blade's tip is cut off short") {
+  for (double tip = 0.1; tip < 0.9; tip += 0.1)
+    for (const double slope : {0.5, 0.8, 1.2}) {
+      const double half = tip / 2 + 4 * slope;
+      const geom::Region blade{{{from_mm(50), from_mm(50 - tip / 2)},
+                                {from_mm(54), from_mm(50 - half)},
+                                {from_mm(54), from_mm(50 + half)},
+                                {from_mm(50), from_mm(50 + tip / 2)}},
+                               {}};
+      CAPTURE(tip, slope);
+      const auto p = toolpath::make_perimeters(blade, 0, {0.45, 0.2});
+      CHECK(geom::area(p.inner) > 0.8 * geom::area(blade));
+      CHECK(geom::open(geom::subtract(p.inner, {blade}), from_mm(0.001)).empty());
+    }
+}
+
 TEST_CASE("beads never leave the outline") {
   auto s = bare_settings();
   for (const auto& stack : {cup_stack(30, 4, 1.7, 1), cone_stack(15, 6, 2), arch_stack(20, 10, 6, 2, 4)}) {
