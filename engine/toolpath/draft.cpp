@@ -92,6 +92,7 @@ geom::Regions left_bare(const geom::Regions& areas, const std::vector<IslandDraf
   geom::Rings beads;
   for (const IslandDraft& island : islands)
     for (const Path& path : island.fills) {
+      if (path.role == Role::infill) continue;
       geom::Polyline line = path.points;
       if (path.closed) line.push_back(line.front());
       add_beads(beads, line, path.width_mm * geom::kNmPerMm);
