@@ -276,9 +276,15 @@ SlicedPart slice_part_to(const mesh::TriangleMesh& mesh, const Pose& pose, const
   } else {
     part.stats = slice_part(mesh, pose, options, to, ctx, true);
   }
-  if (timed) part.estimate = timed->finish();
-  out.close();
-  if (!timed) part.estimate = gcode::estimate_file(out.path(), options.limits, ctx);
+  if (timed) {
+    timed->stream().flush();
+    out.close();
+    out.sync();  // what is left to time goes on meanwhile
+    part.estimate = timed->finish();
+  } else {
+    out.close();
+    part.estimate = gcode::estimate_file(out.path(), options.limits, ctx);
+  }
   out.append(time_comment(part.estimate.predicted_s));
   out.sync();
   ++part.estimate.lines;
