@@ -165,6 +165,7 @@ class Builder {
   void draft() {
     const geom::Regions footprint = quick_unite(stack_[0].regions, printed_area(supports_[0]));
     raft_ = make_raft(footprint, settings_.slice);
+    plan_.layers.resize(below() + n_);
     drafts_.resize(below() + n_);
     beads_.resize(below() + n_);
     for (std::size_t k = 0; k < below(); ++k) {
@@ -176,6 +177,7 @@ class Builder {
       beads_[below() + g] = walls_[g].bead;
       drafts_[below() + g] = draft_layer(stack_[i], i, walls_[g], surfaces_[i], directions_[i], lightning_[i],
                                          supports_[g], part_);
+      layer(g).support = printed_area(supports_[g]);
     });
     if (whole_ && slice().support != SupportMode::none && slice().support_style == SupportStyle::grid) {
       std::vector<std::vector<Path>*> lines;
@@ -190,7 +192,6 @@ class Builder {
   /// One layer after the other, each from where the one below ended; its tips are held as soon as it is
   /// there.
   void put_in_order() {
-    plan_.layers.resize(below() + n_);
     bare_.resize(stack_.size());
     Sequencer sequencer(part_, ctx_);
     const auto order = [&](std::size_t k) {
@@ -213,7 +214,7 @@ class Builder {
   void hold_tips_of(std::size_t i) {
     const std::size_t bearer = i > 0 ? layer_below_gap(stack_, i, slice().support_z_gap_mm) : n_;
     if (bearer < n_)
-      hold_tips(layer(i).paths, stack_[i].regions, stack_[i - 1].regions, printed_area(supports_[bearer]));
+      hold_tips(layer(i).paths, stack_[i].regions, stack_[i - 1].regions, layer(bearer).support);
     // Over an equal outline the same lines lie: nothing of them is over what is bare.
     if (i + 1 < n_ && stack_[i + 1].regions != stack_[i].regions)
       bare_[i] = bare_parts(walls_[i], layer(i).paths);
@@ -221,14 +222,12 @@ class Builder {
 
   /// What still would hang is cut back, or told as an overhang.
   void mind_the_air() {
-    if (whole_)
-      cut_threads(std::span(plan_.layers).subspan(below()), stack_, supports_, bare_, slice(), ctx_);
+    if (whole_) cut_threads(std::span(plan_.layers).subspan(below()), stack_, bare_, slice(), ctx_);
     run::parallel_for(ctx_, n_, [&](std::size_t g) {
       const std::size_t i = groups_[g].sample;
       if (i > 0)
         mark_overhangs(layer(g).paths, stack_[i].regions, stack_[i - 1].regions, bare_[i - 1],
                        beads_[below() + g].width_mm, settings_.speed);
-      layer(g).support = printed_area(supports_[g]);
     });
   }
 

@@ -194,7 +194,7 @@ geom::Regions hanging_chains(const std::vector<Path>& paths, const geom::Regions
 /// What carries the lines of layer i there: the layer below without what is missing, lower ones over a gap in
 /// which no support has room, and support.
 geom::Regions ground_of(std::size_t i, const geom::Regions& where, const slice::LayerStack& stack,
-                        const SupportAreas& support, const geom::Regions& missing, const SliceSettings& s) {
+                        const geom::Regions& support, const geom::Regions& missing, const SliceSettings& s) {
   geom::Regions over = quick_intersect(stack[i - 1].regions, where);  // no gap of the part's own
   geom::Regions out = geom::open(quick_subtract(over, missing), from_mm(kSliverMm));
   const slice::LayerSpan& span = stack[i].span;
@@ -205,7 +205,7 @@ geom::Regions ground_of(std::size_t i, const geom::Regions& where, const slice::
     over = quick_unite(over, lower);
   }
   const double lean = lean_mm(s, span.height_mm());
-  const geom::Regions held = quick_intersect(printed_area(support), where);
+  const geom::Regions held = quick_intersect(support, where);
   if (!held.empty())
     out = quick_unite(out, geom::offset(held, from_mm(std::max(kLineBesideSupportMm - lean, 0.0))));
   return geom::offset(out, from_mm(lean));
@@ -218,17 +218,16 @@ geom::Regions cut_threads(std::vector<Path>& paths, const geom::Regions& ground,
 }
 
 void cut_threads(std::span<LayerPlan> layers, const slice::LayerStack& stack,
-                 const std::vector<SupportAreas>& supports, std::vector<geom::Regions>& bare,
-                 const SliceSettings& settings, const run::Context& ctx) {
+                 std::vector<geom::Regions>& bare, const SliceSettings& settings, const run::Context& ctx) {
   std::vector<geom::Regions> cut_off(layers.size());
   const double widest = widest_mm(settings);
   const auto cut = [&](std::size_t i) {
     const std::size_t bearer = layer_below_gap(stack, i, settings.support_z_gap_mm);
-    if (bearer >= supports.size()) return;  // the plate is as near as a support would be
+    if (bearer >= layers.size()) return;  // the plate is as near as a support would be
     const geom::Regions where = hanging_chains(layers[i].paths, stack[i - 1].regions, bare[i - 1], widest,
                                                lean_mm(settings, stack[i].span.height_mm()));
     if (where.empty()) return;
-    const geom::Regions ground = ground_of(i, where, stack, supports[bearer], bare[i - 1], settings);
+    const geom::Regions ground = ground_of(i, where, stack, layers[bearer].support, bare[i - 1], settings);
     append(cut_off[i], Cutter(layers[i].paths, ground, widest, &where).run());
   };
   run::parallel_for(ctx, layers.size(), [&](std::size_t i) {

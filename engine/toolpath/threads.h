@@ -21,7 +21,6 @@ geom::Regions cut_threads(std::vector<Path>& paths, const geom::Regions& ground,
 /// is `bare` already; what was cut is added to it. Lines much thinner than asked for are cut at any rate;
 /// wider ones only if there is to be support, which holds whatever hangs far.
 void cut_threads(std::span<LayerPlan> layers, const slice::LayerStack& stack,
-                 const std::vector<SupportAreas>& supports, std::vector<geom::Regions>& bare,
-                 const SliceSettings& settings, const run::Context& ctx);
+                 std::vector<geom::Regions>& bare, const SliceSettings& settings, const run::Context& ctx);
 
 }  // namespace voidpath::toolpath
