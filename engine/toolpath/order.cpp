@@ -64,7 +64,12 @@ std::vector<Visit> nearest_neighbour(const std::vector<Stop>& stops, Point at) {
 class Legs {
  public:
   Legs(const std::vector<Stop>& stops, const Point& from, const std::vector<Visit>& seq)
-      : stops_(stops), from_(at(from)), in_(seq.size()), out_(seq.size()), way_(seq.size()) {
+      : stops_(stops),
+        from_(at(from)),
+        in_(seq.size()),
+        out_(seq.size()),
+        way_(seq.size()),
+        turnable_(seq.size()) {
     update(seq, 0, seq.size());
   }
 
@@ -73,6 +78,7 @@ class Legs {
     for (std::size_t k = begin; k < end; ++k) {
       in_[k] = at(entry(stops_, seq[k]));
       out_[k] = at(leave(stops_, seq[k]));
+      turnable_[k] = stops_[seq[k].index].reversible ? 1 : 0;
     }
     for (std::size_t k = begin; k < std::min(end + 1, seq.size()); ++k) way_[k] = apart(before(k), in_[k]);
   }
@@ -92,6 +98,7 @@ class Legs {
   const Place& in(std::size_t k) const { return in_[k]; }
   const Place& out(std::size_t k) const { return out_[k]; }
   const Place& before(std::size_t k) const { return k == 0 ? from_ : out_[k - 1]; }
+  bool turnable(std::size_t k) const { return turnable_[k] != 0; }
   /// From the visit before to visit k; beyond the end there is none.
   double way(std::size_t k) const { return k < way_.size() ? way_[k] : 0; }
 
@@ -102,6 +109,7 @@ class Legs {
   Place from_;
   std::vector<Place> in_, out_;
   std::vector<double> way_;
+  std::vector<char> turnable_;
 };
 
 /// Turns visits [i, j] round: the travel into the first and out of the last changes, the rest stays as
@@ -111,7 +119,7 @@ bool improve(const std::vector<Stop>& stops, const Point& from, std::vector<Visi
   Legs legs(stops, from, seq);
   for (std::size_t i = 0; i < seq.size(); ++i) {
     for (std::size_t j = i; j < std::min(i + kWindow, seq.size()); ++j) {
-      if (!stops[seq[j].index].reversible) break;
+      if (!legs.turnable(j)) break;
       // What can be saved at all is the two ways there are.
       if (Legs::beyond(legs.before(i), legs.out(j), legs.way(i) + legs.way(j + 1))) continue;
       double gain = legs.way(i) - Legs::apart(legs.before(i), legs.out(j));
@@ -139,9 +147,8 @@ bool relocate(const std::vector<Stop>& stops, const Point& from, std::vector<Vis
       const double shortcut = j + 1 < n ? Legs::apart(legs.before(i), legs.in(j + 1)) : 0;
       const double saved = legs.way(i) + legs.way(j + 1) - shortcut;
       if (saved < kMinGain) continue;
-      const bool turnable = std::all_of(seq.begin() + static_cast<std::ptrdiff_t>(i),
-                                        seq.begin() + static_cast<std::ptrdiff_t>(j) + 1,
-                                        [&](const Visit& v) { return stops[v.index].reversible; });
+      bool turnable = true;
+      for (std::size_t k = i; k <= j; ++k) turnable &= legs.turnable(k);
       const Legs::Place &first = legs.in(i), &last = legs.out(j);
       double best = saved - kMinGain;
       std::size_t place = n;  // after this visit
