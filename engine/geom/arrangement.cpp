@@ -342,6 +342,7 @@ class Arranger {
     });
     const Arrangement old = std::exchange(out_, Arrangement(memory_));
     out_.corners.reserve(old.corners.size() + cuts_.size());
+    doubtful_.reserve(old.corners.size() + cuts_.size());
     out_.first.push_back(0);
     doubtful_.clear();
     bool any = false;
@@ -358,7 +359,7 @@ class Arranger {
           last = cut->along;
           out_.corners.push_back({cut->at, true});
         }
-        doubtful_.resize(out_.corners.size(), bent && close ? 1 : 0);
+        while (doubtful_.size() < out_.corners.size()) doubtful_.push_back(bent && close ? 1 : 0);
         any |= bent && close;
       }
       out_.first.push_back(static_cast<Index>(out_.corners.size()));

@@ -49,13 +49,20 @@ class Canvas {
     const int x1 = std::min(width_ - 1, static_cast<int>(last(p[0].x, p[1].x, p[2].x)));
     const int y0 = std::max(0, static_cast<int>(first(p[0].y, p[1].y, p[2].y)));
     const int y1 = std::min(height_ - 1, static_cast<int>(last(p[0].y, p[1].y, p[2].y)));
+    // A share is below nothing where the area it is of has the other sign: most of what lies outside is known
+    // without a division.
+    const auto misses = [area](double part) { return area > 0 ? part < 0 : part > 0; };
     for (int y = y0; y <= y1; ++y)
       for (int x = x0; x <= x1; ++x) {
         const double px = x + 0.5, py = y + 0.5;
-        const double a = cross(p[1], p[2], px, py) / area;
-        const double b = cross(p[2], p[0], px, py) / area;
+        const double of_a = cross(p[1], p[2], px, py);
+        if (misses(of_a)) continue;
+        const double of_b = cross(p[2], p[0], px, py);
+        if (misses(of_b)) continue;
+        const double a = of_a / area;
+        const double b = of_b / area;
         const double c = 1 - a - b;
-        if (a < 0 || b < 0 || c < 0) continue;
+        if (c < 0) continue;
         put(x, y, static_cast<float>(a * p[0].depth + b * p[1].depth + c * p[2].depth), shade);
       }
   }

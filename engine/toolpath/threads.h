@@ -5,7 +5,6 @@
 #include "engine/slice/layer.h"
 #include "engine/toolpath/plan.h"
 #include "engine/toolpath/settings.h"
-#include "engine/toolpath/supports.h"
 
 #include <span>
 #include <vector>
