@@ -107,9 +107,9 @@ void draw_back(CentreLine& line, const Border& border, double least_mm) {
   }
 }
 
-/// As wide as the gap has room for at the ends of what is left, and `all` along where no beads flank it: the
-/// lengths of chords tell too much where walls meet.
-void make_room(CentreLine& line, const Border& border, bool all) {
+/// As wide as the gap has room for at the ends of what is left, and within `outline` all along, if there is
+/// one: the lengths of chords tell too much where walls meet.
+void make_room(CentreLine& line, const Border& border, const Border* outline) {
   if (!line.closed && line.points.size() > 1) {
     for (int end = 0; end < 2; ++end) {
       draw_back(line, border, kLeastLengthMm);
@@ -118,9 +118,11 @@ void make_room(CentreLine& line, const Border& border, bool all) {
     }
   }
   const std::size_t last = line.points.size() - 1;
-  for (std::size_t i = 0; i <= last; ++i)
-    if (all || (!line.closed && (i == 0 || i == last)))
-      line.width_mm[i] = room_mm(border, line.points[i], line.width_mm[i]);
+  for (std::size_t i = 0; i <= last; ++i) {
+    const bool end = !line.closed && (i == 0 || i == last);
+    if (const Border* within = end ? &border : outline)
+      line.width_mm[i] = room_mm(*within, line.points[i], line.width_mm[i]);
+  }
   if (line.closed) return;
   // A line shorter than it is wide is all end.
   const double least = std::min(line.width_mm.front(), line.width_mm.back());
@@ -169,15 +171,16 @@ bool is_blob(const CentreLine& line) {
              kMinGapLength * 0.5 * (line.width_mm.front() + line.width_mm.back()) * geom::kNmPerMm;
 }
 
+/// `outline`: what the gap's lines must keep inside. `alone`: the gap itself.
 void add_lines_of(std::vector<Path>& out, const geom::Region& gap, const BeadSize& bead, double tolerance_mm,
-                  bool alone) {
+                  const Border* outline, bool alone) {
   const std::vector<CentreLine> centres = centre_lines(gap);
   if (centres.empty()) return;
   const Border border({gap});
   for (const auto& centre : centres) {
     if (is_blob(centre)) continue;
     CentreLine line = refined(centre, kWidthChange * bead.width_mm);
-    make_room(line, border, alone);
+    make_room(line, border, alone ? &border : outline);
     add_gap_line(out, line, bead, tolerance_mm, alone);
   }
 }
@@ -262,10 +265,12 @@ bool is_stubby(const std::vector<Path>& lines, std::size_t first) {
 }  // namespace
 
 void add_gap_lines(std::vector<Path>& out, const geom::Regions& gaps, const BeadSize& bead,
-                   double tolerance_mm) {
+                   double tolerance_mm, const geom::Region* outline) {
+  std::optional<Border> border;
+  if (outline != nullptr && !gaps.empty()) border.emplace(geom::Regions{*outline});
   for (const auto& gap : gaps) {
     const std::size_t before = out.size();
-    add_lines_of(out, gap, bead, tolerance_mm, false);
+    add_lines_of(out, gap, bead, tolerance_mm, border ? &*border : nullptr, false);
     if (out.size() == before) add_dot(out, gap, bead, kLeastSpotMm);
   }
 }
@@ -274,7 +279,7 @@ void add_thin_lines(std::vector<Path>& out, const geom::Regions& areas, const Be
                     double tolerance_mm) {
   for (const auto& area : areas) {
     const std::size_t before = out.size();
-    add_lines_of(out, area, bead, tolerance_mm, true);
+    add_lines_of(out, area, bead, tolerance_mm, nullptr, true);
     if (!is_stubby(out, before)) continue;
     std::vector<Path> dot;
     add_dot(dot, area, bead, 0);

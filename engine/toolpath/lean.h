@@ -8,10 +8,8 @@ namespace voidpath::toolpath {
 
 /// A line is carried by one below that it overlaps by so much of its width, whatever the angle.
 inline constexpr double kCarriedShare = 0.25;
-/// A single line reaches this far over from a support beside it, mm: about what support keeps from the part.
-inline constexpr double kLineBesideSupportMm = 0.5;
-/// An area reaches further, mm: its lines run on to what holds them on another side.
-inline constexpr double kAreaBesideSupportMm = 1.0;
+/// What is printed reaches this far over from a support beside it, mm: about what support keeps from the part.
+inline constexpr double kBesideSupportMm = 0.5;
 
 /// How far the part may lean out over the layer below without support, mm.
 double lean_mm(const SliceSettings& settings, double height_mm);

@@ -52,8 +52,9 @@ class Finder {
   Regions find_overhang(std::size_t i) const {
     if (i == 0) return {};
     const Regions& own = stack_[i].regions;
-    const Regions& below = stack_[i - 1].regions;
-    if (own.empty() || own == below) return {};
+    if (own.empty() || own == stack_[i - 1].regions) return {};
+    // What is too small to be held holds nothing: the point that a strut begins with.
+    const Regions below = geom::remove_small(stack_[i - 1].regions, kMinOverhangMm2 * kMm2);
     const geom::Coord lean = from_mm(lean_mm(settings_, stack_[i].span.height_mm()));
     Regions far = quick_subtract(own, geom::offset(below, lean));
     far = geom::remove_small(far, kMinOverhangMm2 * kMm2);

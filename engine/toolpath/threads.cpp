@@ -207,7 +207,7 @@ geom::Regions ground_of(std::size_t i, const geom::Regions& where, const slice::
   const double lean = lean_mm(s, span.height_mm());
   const geom::Regions held = quick_intersect(support, where);
   if (!held.empty())
-    out = quick_unite(out, geom::offset(held, from_mm(std::max(kLineBesideSupportMm - lean, 0.0))));
+    out = quick_unite(out, geom::offset(held, from_mm(std::max(kBesideSupportMm - lean, 0.0))));
   return geom::offset(out, from_mm(lean));
 }
 

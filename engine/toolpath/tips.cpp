@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 
 namespace voidpath::toolpath {
@@ -22,6 +23,10 @@ constexpr double kOntoGroundMm = 0.2;
 constexpr double kOutsideMm = 0.05;
 /// ...and if that turns it by no more than this cosine tells.
 constexpr double kOnwards = 0.3;
+/// Ground straight on is looked for this often, mm.
+constexpr double kStepMm = 0.05;
+/// What runs along ground this near lies on it with a part of its bead, mm.
+constexpr double kAlongMm = 0.1;
 /// The outline hangs over by at least this, mm, where a line may.
 constexpr double kLeastHangMm = 0.1;
 
@@ -43,6 +48,10 @@ class Chains {
   }
 
  private:
+  struct Way {
+    double x, y;  ///< nm
+  };
+
   static bool is_line(const Path& p) { return p.role == Role::gap_fill && !p.closed && p.points.size() > 1; }
   static std::pair<geom::Coord, geom::Coord> key(const geom::Point& p) { return {p.x, p.y}; }
   const geom::Point& end(std::size_t i, bool back) const {
@@ -53,20 +62,51 @@ class Chains {
     geom::Polyline& line = paths_[i].points;
     const geom::Point from = end(i, back);
     if (ground_.contains(from)) return;
+    const geom::Point& before = back ? line[line.size() - 2] : line[1];
+    std::optional<geom::Point> onto = by_nearest_way(from, before, paths_[i].width_mm);
+    if (!onto) onto = straight_on(from, before, paths_[i].width_mm);
+    if (!onto) return;
+    line.insert(back ? line.end() : line.begin(), *onto);
+    --at_[key(from)];
+    ++at_[key(*onto)];
+  }
+
+  std::optional<geom::Point> by_nearest_way(const geom::Point& from, const geom::Point& before,
+                                            double width_mm) const {
     const geom::Point to = ground_border_.nearest(from, kMaxLeadMm);
     const double way = geom::distance(from, to);
-    if (way <= 0) return;
-    const geom::Point& before = back ? line[line.size() - 2] : line[1];
+    if (way <= 0) return std::nullopt;
     const auto dx = static_cast<double>(to.x - from.x), dy = static_cast<double>(to.y - from.y);
     const auto ux = static_cast<double>(from.x - before.x), uy = static_cast<double>(from.y - before.y);
-    if (dx * ux + dy * uy < kOnwards * way * std::hypot(ux, uy)) return;
-    const double t = 1 + kOntoGroundMm * geom::kNmPerMm / way;
-    const geom::Point onto{from.x + std::llround(t * dx), from.y + std::llround(t * dy)};
-    const double room = 0.5 * paths_[i].width_mm - kOutsideMm;
-    if (!own_.contains(from, onto) || (room > 0 && own_border_.distance_mm(onto, room) < room)) return;
-    line.insert(back ? line.end() : line.begin(), onto);
-    --at_[key(from)];
-    ++at_[key(onto)];
+    if (dx * ux + dy * uy < kOnwards * way * std::hypot(ux, uy)) return std::nullopt;
+    return onto(from, {dx, dy}, way, width_mm);
+  }
+
+  /// Past a corner of the outline that stands in the nearest way.
+  std::optional<geom::Point> straight_on(const geom::Point& from, const geom::Point& before,
+                                         double width_mm) const {
+    const double length = geom::distance(before, from);
+    if (length <= 0) return std::nullopt;
+    const Way u{static_cast<double>(from.x - before.x) / length,
+                static_cast<double>(from.y - before.y) / length};
+    for (double d = kStepMm; d <= kMaxLeadMm; d += kStepMm) {
+      const double by = d * geom::kNmPerMm;
+      const geom::Point at{from.x + std::llround(by * u.x), from.y + std::llround(by * u.y)};
+      if (ground_.contains(at) || ground_border_.distance_mm(at, kAlongMm) < kAlongMm)
+        return onto(from, {by * u.x, by * u.y}, by, width_mm);
+    }
+    return std::nullopt;
+  }
+
+  /// A little further than a way that long leads, if the bead has room there.
+  std::optional<geom::Point> onto(const geom::Point& from, const Way& way, double length,
+                                  double width_mm) const {
+    const double t = 1 + kOntoGroundMm * geom::kNmPerMm / length;
+    const geom::Point out{from.x + std::llround(t * way.x), from.y + std::llround(t * way.y)};
+    const double room = 0.5 * width_mm - kOutsideMm;
+    if (!own_.contains(from, out) || (room > 0 && own_border_.distance_mm(out, room) < room))
+      return std::nullopt;
+    return out;
   }
 
   std::vector<Path>& paths_;

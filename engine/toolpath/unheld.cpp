@@ -17,12 +17,14 @@ using geom::Regions;
 
 /// Strands hold on to what lies this far beside, mm.
 constexpr double kAnchorMm = 1.2;
+/// What is narrower than this many widths hangs from the lines beside it.
+constexpr double kMinBridgeWidths = 0.5;
 
 void bridge(Surfaces& own, const Regions& below, const Regions& support, const SliceSettings& settings) {
   Regions loose = support.empty()
                       ? std::move(own.unheld)
-                      : quick_subtract(own.unheld, geom::offset(support, from_mm(kAreaBesideSupportMm)));
-  loose = geom::open(loose, from_mm(0.5 * settings.line_width_mm));
+                      : quick_subtract(own.unheld, geom::offset(support, from_mm(kBesideSupportMm)));
+  loose = geom::open(loose, from_mm(0.5 * kMinBridgeWidths * settings.line_width_mm));
   for (const geom::Region& region : loose) {
     const double walls = settings.line_width_mm * settings.perimeters;
     BridgeArea out = plan_bridge(region, below, walls + 0.5 * kAnchorMm);

@@ -1,6 +1,7 @@
 #include "engine/toolpath/bridge_lines.h"
 #include "engine/toolpath/overhangs.h"
 #include "engine/toolpath/surfaces.h"
+#include "engine/toolpath/unheld.h"
 #include "tests/engine/toolpath/shapes.h"
 
 #include <algorithm>
@@ -205,4 +206,23 @@ TEST_CASE("a bridge on rails no wider than its outer wall ends on them") {
     }
   }
   CHECK(seen >= 2);
+}
+
+TEST_CASE("what no support beside it holds is bridged after all") {
+  const auto stack =
+      stack_of(0.8, 0.2, [](double z) { return geom::Regions{rectangle(50, 50, z > 0.6 ? 64 : 60, 60)}; });
+  const auto bridged_mm2 = [&](double support_from_x) {
+    std::vector<toolpath::Surfaces> surfaces(stack.size());
+    surfaces[3].solid = {rectangle(51, 51, 63, 59)};
+    surfaces[3].unheld = {rectangle(60, 51, 63, 59)};
+    std::vector<toolpath::SupportAreas> supports(stack.size());
+    supports[1].interface = {rectangle(support_from_x, 51, 66, 59)};  // the gap below
+    toolpath::bridge_unheld(surfaces, stack, supports, bare_settings().slice, {});
+    double sum = 0;
+    for (const auto& b : surfaces[3].bridges) sum += geom::to_mm2(geom::area(b.hanging));
+    return sum;
+  };
+  CHECK(bridged_mm2(60.5) == 0);
+  CHECK(bridged_mm2(61.5) == Approx(8).margin(0.1));
+  CHECK(bridged_mm2(70) == Approx(24).margin(0.1));
 }

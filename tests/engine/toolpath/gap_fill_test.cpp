@@ -1,11 +1,15 @@
 #include "engine/toolpath/gap_fill.h"
 
 #include "engine/toolpath/bead.h"
+#include "engine/toolpath/border.h"
+#include "engine/toolpath/gap_lines.h"
 #include "engine/toolpath/triangulate.h"
 #include "tests/engine/toolpath/shapes.h"
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <random>
 
 #include <catch2/catch.hpp>
 
@@ -139,6 +143,34 @@ TEST_CASE("a short wide gap's line keeps its round ends inside") {
       }
     }
   CHECK(seen > 50);
+}
+
+TEST_CASE("a wide gap's line keeps inside the outline all along") {
+  const toolpath::BeadSize bead;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> radius(0.2, 0.9);
+  double within = 0, without = 0;  // mm outside
+  for (int k = 0; k < 150; ++k) {
+    geom::Region gap;
+    for (int corner = 0; corner < 7; ++corner) {
+      const double a = 2 * std::numbers::pi * corner / 7, r = radius(random);
+      gap.outer.push_back({from_mm(r * std::cos(a)), from_mm(r * std::sin(a))});
+    }
+    const toolpath::Border border({gap});
+    const auto outside = [&](const geom::Region* outline) {
+      std::vector<toolpath::Path> lines;
+      toolpath::add_gap_lines(lines, {gap}, bead, 0.0125, outline);
+      double most = 0;
+      for (const auto& line : lines)
+        for (const auto& p : line.points)
+          most = std::max(most, 0.5 * line.width_mm - border.distance_mm(p, 1));
+      return most;
+    };
+    within = std::max(within, outside(&gap));
+    without = std::max(without, outside(nullptr));
+  }
+  CHECK(within < 0.11);
+  CHECK(without > 0.15);  // chords alone tell too much
 }
 
 TEST_CASE("walls that narrow to nothing keep their beads inside") {

@@ -167,6 +167,22 @@ TEST_CASE("gap lines reach for ground that is near") {
   CHECK(both.second == Approx(70 + 0.2));
 }
 
+TEST_CASE("gap lines go straight on along ground that lies beside them") {
+  // A thin strip that runs into a block, past whose corner nothing leads to the ground beside the strip.
+  const geom::Regions own =
+      geom::unite(geom::Regions{rectangle(55, 50.9, 70, 51.1)}, {rectangle(70, 45, 80, 51.1)});
+  const geom::Regions ground{rectangle(69, 45, 80, 50.93)};
+  toolpath::Path line;
+  line.role = Role::gap_fill;
+  line.width_mm = 0.15;
+  line.points = {{from_mm(55), from_mm(51)}, {from_mm(69.5), from_mm(51)}};
+  std::vector<toolpath::Path> paths{line};
+  toolpath::hold_tips(paths, own, ground, {});
+  REQUIRE(paths[0].points.size() == 3);
+  CHECK(geom::to_mm(paths[0].points.back().x) == Approx(69.5 + 0.05 + 0.2));
+  CHECK(paths[0].points.back().y == from_mm(51));
+}
+
 TEST_CASE("a loop around a hole that hangs all round begins where it hangs least") {
   const toolpath::SpeedSettings speed = bare_settings().speed;
   // The hole below is round and larger, the loop a polygon: its corners come nearest to what is below.

@@ -133,6 +133,24 @@ TEST_CASE("every overhang has support within reach, the gap below it") {
     }
 }
 
+TEST_CASE("a strut that begins in the air with a point is held there") {
+  // Too small for a line at first, it widens by less than may lean out.
+  const auto stack = stack_of(14, 0.2, [](double z) {
+    if (z > 12) return geom::Regions{rectangle(50, 50, 80, 60)};
+    geom::Regions out{rectangle(50, 50, 56, 60)};
+    const double r = 0.7 * (z - 4.05);
+    if (r > 0.01) out.push_back({geom::make_circle({from_mm(72), from_mm(55)}, from_mm(r), 32), {}});
+    return out;
+  });
+  for (const auto style : {SupportStyle::grid, SupportStyle::tree}) {
+    const auto s = settings(style);
+    const auto plan = toolpath::build(stack, s);
+    CAPTURE(static_cast<int>(style));
+    CHECK(near_any(plan.layers[18].support, {from_mm(72), from_mm(55)}, 0.1));
+    CHECK(plan.layers[0].support.size() > 0);
+  }
+}
+
 TEST_CASE("branches go on down to the plate, or to the part where they may") {
   for (const auto mode : {SupportMode::plate, SupportMode::everywhere}) {
     const auto s = settings(SupportStyle::tree, mode);
