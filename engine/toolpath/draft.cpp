@@ -152,7 +152,8 @@ LayerDraft draft_layer(const slice::Layer& layer, std::size_t index, LayerWalls&
   for (std::size_t k = 0; k < walls.islands.size(); ++k) {
     Perimeters& island = walls.islands[k];
     out.islands.push_back({std::move(island.walls), {}});
-    add_gap_lines(out.islands.back().fills, island.gaps, bead, s.resolution_mm, &layer.regions[k]);
+    add_gap_lines(out.islands.back().fills, island.gaps, bead, s.resolution_mm, &layer.regions[k],
+                  island.at_outline);
     add_thin_lines(out.islands.back().fills, island.thin, bead, s.resolution_mm);
   }
   const Sharer sharer(layer.regions);

@@ -171,16 +171,30 @@ bool is_blob(const CentreLine& line) {
              kMinGapLength * 0.5 * (line.width_mm.front() + line.width_mm.back()) * geom::kNmPerMm;
 }
 
-/// `outline`: what the gap's lines must keep inside. `alone`: the gap itself.
+/// The border of an area, made when first wanted.
+class Outline {
+ public:
+  explicit Outline(const geom::Region* region) : region_(region) {}
+  const Border* border() {
+    if (!border_ && region_ != nullptr) border_.emplace(geom::Regions{*region_});
+    return border_ ? &*border_ : nullptr;
+  }
+
+ private:
+  const geom::Region* region_;
+  std::optional<Border> border_;
+};
+
+/// `outline`: what the gap's lines must keep inside, if anything. `alone`: the gap itself.
 void add_lines_of(std::vector<Path>& out, const geom::Region& gap, const BeadSize& bead, double tolerance_mm,
-                  const Border* outline, bool alone) {
+                  Outline* outline, bool alone) {
   const std::vector<CentreLine> centres = centre_lines(gap);
   if (centres.empty()) return;
   const Border border({gap});
   for (const auto& centre : centres) {
     if (is_blob(centre)) continue;
     CentreLine line = refined(centre, kWidthChange * bead.width_mm);
-    make_room(line, border, alone ? &border : outline);
+    make_room(line, border, alone ? &border : outline != nullptr ? outline->border() : nullptr);
     add_gap_line(out, line, bead, tolerance_mm, alone);
   }
 }
@@ -265,13 +279,12 @@ bool is_stubby(const std::vector<Path>& lines, std::size_t first) {
 }  // namespace
 
 void add_gap_lines(std::vector<Path>& out, const geom::Regions& gaps, const BeadSize& bead,
-                   double tolerance_mm, const geom::Region* outline) {
-  std::optional<Border> border;
-  if (outline != nullptr && !gaps.empty()) border.emplace(geom::Regions{*outline});
-  for (const auto& gap : gaps) {
+                   double tolerance_mm, const geom::Region* outline, std::size_t at_outline) {
+  Outline around(outline);
+  for (std::size_t k = 0; k < gaps.size(); ++k) {
     const std::size_t before = out.size();
-    add_lines_of(out, gap, bead, tolerance_mm, border ? &*border : nullptr, false);
-    if (out.size() == before) add_dot(out, gap, bead, kLeastSpotMm);
+    add_lines_of(out, gaps[k], bead, tolerance_mm, k < at_outline ? &around : nullptr, false);
+    if (out.size() == before) add_dot(out, gaps[k], bead, kLeastSpotMm);
   }
 }
 

@@ -121,6 +121,7 @@ Perimeters make_perimeters(const geom::Region& outline, int count, const BeadSiz
       return out;
     }
     collect_gaps(out.gaps, area, geom::offset(centre, from_mm(half) + kOffsetSlack), bead);
+    if (depth == 0) out.at_outline = out.gaps.size();
     add_loops(out.walls, centre, depth);
     area = geom::offset(centre, -from_mm(0.5 * spacing));
   }
@@ -131,6 +132,7 @@ Perimeters make_perimeters(const geom::Region& outline, int count, const BeadSiz
   out.inner = std::move(area);
   take_strips(out.gaps, out.inner, least, bead);
   if (count == 0) out.inner = quick_intersect(out.inner, {outline});
+  if (count <= 0) out.at_outline = out.gaps.size();
   return out;
 }
 

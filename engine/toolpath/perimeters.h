@@ -3,6 +3,7 @@
 #include "engine/geom/polygon.h"
 #include "engine/toolpath/settings.h"
 
+#include <cstddef>
 #include <vector>
 
 namespace voidpath::toolpath {
@@ -29,10 +30,11 @@ struct Loop {
 using Wall = std::vector<Loop>;
 
 struct Perimeters {
-  std::vector<Wall> walls;  ///< each from the external loop inwards
-  geom::Regions inner;      ///< what remains inside the beads, for infill
-  geom::Regions gaps;       ///< slivers that no bead of full width fits in
-  geom::Regions thin;       ///< the whole outline where not even one loop fits in
+  std::vector<Wall> walls;     ///< each from the external loop inwards
+  geom::Regions inner;         ///< what remains inside the beads, for infill
+  geom::Regions gaps;          ///< slivers that no bead of full width fits in
+  std::size_t at_outline = 0;  ///< so many of the gaps, the first ones, are not inside a wall
+  geom::Regions thin;          ///< the whole outline where not even one loop fits in
 };
 
 /// Walls of one region.

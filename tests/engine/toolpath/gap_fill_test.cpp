@@ -159,7 +159,7 @@ TEST_CASE("a wide gap's line keeps inside the outline all along") {
     const toolpath::Border border({gap});
     const auto outside = [&](const geom::Region* outline) {
       std::vector<toolpath::Path> lines;
-      toolpath::add_gap_lines(lines, {gap}, bead, 0.0125, outline);
+      toolpath::add_gap_lines(lines, {gap}, bead, 0.0125, outline, 1);
       double most = 0;
       for (const auto& line : lines)
         for (const auto& p : line.points)
