@@ -27,6 +27,8 @@ constexpr double kFirmMm = 0.25;
 constexpr double kPrintedShare = 0.25;
 /// Gap lines are looked at so often, mm.
 constexpr double kLookMm = 0.25;
+/// What is bare below is looked at from this size on, mm: over less a line hangs no further than over a step.
+constexpr double kLeastBareMm = 0.8;
 /// The outline steps out by at least this share of what its outer bead's middle does; less is not looked at.
 constexpr double kRoundingShare = 0.9;
 
@@ -178,6 +180,11 @@ geom::Ring on_threads(const std::vector<Path>& paths, const geom::Regions& below
   return out;
 }
 
+/// Of what is bare below: whether a line may hang over it for long.
+bool is_long(const geom::Box& bare) {
+  return std::max(bare.max.x - bare.min.x, bare.max.y - bare.min.y) >= from_mm(kLeastBareMm);
+}
+
 void put_in_band(Path& path, std::size_t band, const std::vector<Band>& bands) {
   if (band == 0) return;
   const Band& b = bands[band - 1];
@@ -201,6 +208,9 @@ void mark_overhangs(std::vector<Path>& paths, const geom::Regions& own, const ge
     const geom::Box box = grown(*around, from_mm(width_mm));
     corners.insert(corners.end(), {box.min, box.max});
   }
+  for (const geom::Region& r : bare)
+    if (const auto around = geom::bounds(r.outer); around && is_long(*around))
+      corners.insert(corners.end(), {around->min, around->max});
   if (corners.empty()) return;
   const geom::Box box = *geom::bounds(corners);
   const geom::Regions firm = firm_part(below, bare, box);

@@ -136,6 +136,23 @@ TEST_CASE("small loops keep to their speed, large ones to the wall's") {
   }
 }
 
+TEST_CASE("what a layer left bare carries no line of the next, though the outlines hardly differ") {
+  const geom::Regions own{rectangle(50, 50, 70, 50.4)}, below{rectangle(50.01, 50, 70, 50.4)};
+  const auto hanging_mm = [&](const geom::Regions& bare) {
+    toolpath::Path line;
+    line.role = Role::gap_fill;
+    line.width_mm = 0.4;
+    line.points = {{from_mm(50.2), from_mm(50.2)}, {from_mm(69.8), from_mm(50.2)}};
+    std::vector<toolpath::Path> paths{line};
+    toolpath::mark_overhangs(paths, own, below, bare, 0.45, bare_settings().speed);
+    double sum = 0;
+    for (const auto& p : paths) sum += p.role == Role::overhang_perimeter ? length_mm(p) : 0;
+    return sum;
+  };
+  CHECK(hanging_mm({}) == 0);
+  CHECK(hanging_mm({rectangle(60, 49.5, 62, 51)}) == Approx(2).margin(0.5));
+}
+
 TEST_CASE("gap lines reach for ground that is near") {
   const geom::Regions own{rectangle(50, 50, 80, 52)};
   const geom::Regions below{rectangle(50, 50, 60, 52), rectangle(70, 50, 80, 52)};
