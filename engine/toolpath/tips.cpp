@@ -23,7 +23,8 @@ constexpr double kOntoGroundMm = 0.2;
 constexpr double kOutsideMm = 0.05;
 /// ...and if that turns it by no more than this cosine tells.
 constexpr double kOnwards = 0.3;
-/// Ground straight on is looked for this often, mm.
+/// Ground straight on is looked for this far and this often, mm: further on lie beads of the layer itself.
+constexpr double kMaxStraightMm = 0.3;
 constexpr double kStepMm = 0.05;
 /// What runs along ground this near lies on it with a part of its bead, mm.
 constexpr double kAlongMm = 0.1;
@@ -89,7 +90,7 @@ class Chains {
     if (length <= 0) return std::nullopt;
     const Way u{static_cast<double>(from.x - before.x) / length,
                 static_cast<double>(from.y - before.y) / length};
-    for (double d = kStepMm; d <= kMaxLeadMm; d += kStepMm) {
+    for (double d = kStepMm; d <= kMaxStraightMm; d += kStepMm) {
       const double by = d * geom::kNmPerMm;
       const geom::Point at{from.x + std::llround(by * u.x), from.y + std::llround(by * u.y)};
       if (ground_.contains(at) || ground_border_.distance_mm(at, kAlongMm) < kAlongMm)
