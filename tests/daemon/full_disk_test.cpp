@@ -2,7 +2,6 @@
 #include "tests/daemon/fakes.h"
 
 #include <future>
-#include <utility>
 
 #include <catch2/catch.hpp>
 
@@ -42,7 +41,12 @@ fs::path database_of(const RunnerRig& rig) { return rig.config.state_dir / "void
 }  // namespace
 
 TEST_CASE("what was prepared while the disk was full is kept once there is room") {
+  bool complained = false;
   RunnerRig rig;
+  rig.log =
+      daemon::EventLog([&](const std::string&, const std::string&,
+                           const std::string& text) { complained |= text.find("disk is full") != text.npos; },
+                       false);
   std::promise<void> disk_is_full;
   rig.prepare = [&, prepare = rig.prepare](const daemon::PrepareTask& task, const run::Context& ctx) {
     disk_is_full.get_future().wait();
@@ -54,8 +58,7 @@ TEST_CASE("what was prepared while the disk was full is kept once there is room"
   {
     const FullDisk full(database_of(rig));
     disk_is_full.set_value();
-    bool told = false;  // once the worker has said that it is ready
-    REQUIRE(rig.loop.run_until([&] { return std::exchange(told, true); }));
+    REQUIRE(rig.loop.run_until([&] { return complained; }));
     CHECK(rig.state_of("a.stl") == State::preparing);
     rig.loop.advance(12);
     CHECK(rig.state_of("a.stl") == State::preparing);
