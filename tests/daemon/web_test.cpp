@@ -31,12 +31,13 @@ struct WebRig {
   ~WebRig() { api.close(); }
 
   HttpResponse ask(const std::function<std::optional<HttpResponse>()>& call) {
+    const auto answered = std::make_shared<bool>(false);
     auto answer = std::async(std::launch::async, [&] {
       auto out = call();
-      rig.loop.post([] {});  // wakes run_until
+      rig.loop.post([answered] { *answered = true; });
       return out;
     });
-    rig.loop.run_until([&] { return answer.wait_for(std::chrono::seconds(0)) == std::future_status::ready; });
+    rig.loop.run_until([&] { return *answered; });
     return answer.get().value_or(HttpResponse{0, "", ""});
   }
   HttpResponse get(const std::string& path) {
