@@ -21,9 +21,7 @@ namespace {
 
 using geom::from_mm;
 
-/// Gap lines: beads stay within these widths, as shares of the line width; thinner is not printable,
-/// wider is met by the walls.
-constexpr double kMinGapWidth = 0.25;
+/// Gap lines: beads stay below this width, as a share of the line width; wider is met by the walls.
 constexpr double kMaxGapWidth = 2.0;
 /// A gap line's bead changes when the width differs by this share.
 constexpr double kGapWidthStep = 0.15;

@@ -2,6 +2,7 @@
 
 #include "engine/geom/area_grid.h"
 #include "engine/geom/polygon_ops.h"
+#include "engine/toolpath/gap_lines.h"
 #include "engine/toolpath/region_ops.h"
 
 #include <algorithm>
@@ -23,8 +24,6 @@ constexpr double kMinHangingMm = 0.3;
 constexpr double kHanging = 0.75;
 /// Of the layer below, what is thinner than this carries no line: little or nothing of it was printed, mm.
 constexpr double kFirmMm = 0.25;
-/// Thinner than this nothing is printed at all, as a share of a line's width.
-constexpr double kPrintedShare = 0.25;
 /// Gap lines are looked at so often, mm.
 constexpr double kLookMm = 0.25;
 /// What is bare below is looked at from this size on, mm: over less a line hangs no further than over a step.
@@ -164,7 +163,7 @@ double length_on_threads(const geom::Polyline& line, const geom::AreaGrid& below
 /// printed. The corners of boxes around those.
 geom::Ring on_threads(const std::vector<Path>& paths, const geom::Regions& below, double width_mm,
                       double step_mm) {
-  const double unprinted_mm = kPrintedShare * width_mm;
+  const double unprinted_mm = kMinGapWidth * width_mm;
   std::optional<geom::AreaGrid> grid;
   geom::Ring out;
   for (const Path& path : paths) {
