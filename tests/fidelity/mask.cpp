@@ -57,6 +57,19 @@ void column_pass(std::vector<float>& d, const Grid& grid) {
   for (float& v : d) v = v >= kFar ? kFar : v * v;
 }
 
+/// From the first to the last of columns and rows, as far as the grid has them; without a mask.
+Window window(const Grid& grid, int i0, int i1, int j0, int j1) {
+  Window out;
+  out.i0 = std::max(0, i0);
+  out.j0 = std::max(0, j0);
+  out.grid = grid;
+  out.grid.x0 += out.i0 * grid.size;
+  out.grid.y0 += out.j0 * grid.size;
+  out.grid.nx = std::min(grid.nx, i1 + 1) - out.i0;
+  out.grid.ny = std::min(grid.ny, j1 + 1) - out.j0;
+  return out;
+}
+
 }  // namespace
 
 std::optional<std::size_t> Grid::pixel(double x, double y) const {
@@ -177,7 +190,6 @@ std::size_t Window::whole(std::size_t pixel, const Grid& of) const {
 }
 
 Window cropped(const Mask& mask, const Grid& grid, int margin) {
-  Window out;
   int i0 = grid.nx, i1 = -1, j0 = grid.ny, j1 = -1;
   for (int j = 0; j < grid.ny; ++j) {
     const std::uint8_t* row = &mask[grid.at(0, j)];
@@ -190,15 +202,27 @@ Window cropped(const Mask& mask, const Grid& grid, int margin) {
     j0 = std::min(j0, j);
     j1 = j;
   }
-  if (j1 < 0) return out;
-  out.i0 = std::max(0, i0 - margin);
-  out.j0 = std::max(0, j0 - margin);
-  out.grid = grid;
-  out.grid.x0 += out.i0 * grid.size;
-  out.grid.y0 += out.j0 * grid.size;
-  out.grid.nx = std::min(grid.nx, i1 + margin + 1) - out.i0;
-  out.grid.ny = std::min(grid.ny, j1 + margin + 1) - out.j0;
+  if (j1 < 0) return {};
+  Window out = window(grid, i0 - margin, i1 + margin, j0 - margin, j1 + margin);
   out.mask = out.same(mask, grid);
+  return out;
+}
+
+Window around(const std::vector<std::size_t>& pixels, const Grid& grid, int margin) {
+  const auto nx = static_cast<std::size_t>(grid.nx);
+  int i0 = grid.nx, i1 = -1, j0 = grid.ny, j1 = -1;
+  for (const std::size_t p : pixels) {
+    const int i = static_cast<int>(p % nx), j = static_cast<int>(p / nx);
+    i0 = std::min(i0, i);
+    i1 = std::max(i1, i);
+    j0 = std::min(j0, j);
+    j1 = std::max(j1, j);
+  }
+  if (pixels.empty()) return {};
+  Window out = window(grid, i0 - margin, i1 + margin, j0 - margin, j1 + margin);
+  out.mask.assign(out.grid.count(), 0);
+  for (const std::size_t p : pixels)
+    out.mask[out.grid.at(static_cast<int>(p % nx) - out.i0, static_cast<int>(p / nx) - out.j0)] = 1;
   return out;
 }
 

@@ -54,6 +54,8 @@ struct Window {
 };
 /// Around all that is marked and `margin` pixels more; an empty mask where nothing is.
 Window cropped(const Mask& mask, const Grid& grid, int margin);
+/// The same around some pixels, where nothing else is marked.
+Window around(const std::vector<std::size_t>& pixels, const Grid& grid, int margin);
 /// Pixels all of whose neighbours up to `by` pixels to the sides and up and down are marked: what a disc of
 /// √2 by would leave, and more.
 Mask shrunk_square(const Mask& mask, const Grid& grid, int by);

@@ -38,24 +38,24 @@ std::vector<Edge> section(const mesh::TriangleMesh& mesh, const std::vector<std:
   return out;
 }
 
-/// Sets what can be reached from the pixel by steps to the sides over pixels that are not set.
-void flood(Mask& mask, const Grid& grid, std::size_t from) {
+/// Sets what can be reached from the pixel by steps to the sides over pixels that are not set, and lists it.
+std::vector<std::size_t> flood(Mask& mask, const Grid& grid, std::size_t from) {
   const auto nx = static_cast<std::size_t>(grid.nx);
-  std::vector<std::size_t> open{from};
+  std::vector<std::size_t> reached{from};
   mask[from] = 1;
   const auto step = [&](std::size_t p) {
     if (mask[p] != 0) return;
     mask[p] = 1;
-    open.push_back(p);
+    reached.push_back(p);
   };
-  while (!open.empty()) {
-    const std::size_t p = open.back();
-    open.pop_back();
+  for (std::size_t k = 0; k < reached.size(); ++k) {
+    const std::size_t p = reached[k];
     if (p % nx > 0) step(p - 1);
     if (p % nx + 1 < nx) step(p + 1);
     if (p >= nx) step(p - nx);
     if (p + nx < mask.size()) step(p + nx);
   }
+  return reached;
 }
 
 Mask inverse(Mask mask) {
@@ -63,8 +63,8 @@ Mask inverse(Mask mask) {
   return mask;
 }
 
-/// A border lies half way between the middles of a pixel that is marked and of one that is not, as far as they
-/// tell.
+/// A border lies half way between the middles of a pixel that is marked and of one that is not, as far as
+/// they tell.
 Mask resized(const Mask& mask, const Grid& grid, double by) {
   if (by == 0) return mask;
   const double between = 0.5 * grid.size;
@@ -90,10 +90,7 @@ Mask compensated(const Mask& areas, const Grid& grid, double outer, double hole)
   const int margin = static_cast<int>(std::max({outer, hole, 0.0}) / grid.size) + 3;
   for (std::size_t p = 0; p < areas.size(); ++p) {
     if (done[p] != 0) continue;
-    Mask one = done;
-    flood(one, grid, p);
-    const Window w = cropped(without(one, done), grid, margin);
-    done = std::move(one);
+    const Window w = around(flood(done, grid, p), grid, margin);
     const Mask body = without_holes(w.mask, w.grid);
     const Mask holes = without(body, w.mask);
     const Mask now =

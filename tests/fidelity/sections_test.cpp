@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include <catch2/catch.hpp>
 
@@ -47,5 +49,26 @@ TEST_CASE("a section is compensated by what the rules say") {
     CHECK(radius(area(compensated(round, grid, by, 0), grid)) == Approx(4 + by).margin(half));
     const Mask wider = compensated(pierced, grid, 0, by);
     CHECK(radius(area(without_holes(wider, grid), grid) - area(wider, grid)) == Approx(4 + by).margin(half));
+  }
+}
+
+TEST_CASE("islands are compensated each for itself, wherever they lie") {
+  const Grid grid{0, 0, 0.05, 260, 260};
+  const Mask frame = without(square(grid, 0.6, 11.8), square(grid, 1.6, 9.8));
+  const Mask ring = without(disc(grid, 6.5, 4), disc(grid, 6.5, 2.5));
+  const Mask pin = disc(grid, 6.5, 1);
+  const std::vector<Mask> islands{frame, ring, pin};
+  Mask all(grid.count(), 0);
+  for (const Mask& island : islands)
+    for (std::size_t p = 0; p < all.size(); ++p) all[p] |= island[p];
+  for (const auto& [outer, hole] : {std::pair{0.15, 0.0}, {-0.15, 0.2}, {0.1, -0.1}}) {
+    CAPTURE(outer, hole);
+    Mask alone(grid.count(), 0);
+    for (const Mask& island : islands) {
+      const Mask now = compensated(island, grid, outer, hole);
+      for (std::size_t p = 0; p < alone.size(); ++p) alone[p] |= now[p];
+    }
+    CHECK((compensated(all, grid, outer, hole) == alone));
+    CHECK(count(alone) != count(all));
   }
 }
