@@ -1,6 +1,7 @@
 // Hosts at one serial wire: how much of it they use, what they cost. Everybody talks to the same model: the
 // mock printer on a pseudo terminal at the wire's pace, 1 ms round trip, 128-byte ring, 4-command queue,
 // moves that take no time, so that only host and wire are measured.
+#include "tests/bench/stream/awake.h"
 #include "tests/bench/stream/bare_host.h"
 #include "tests/bench/stream/memory_host.h"
 #include "tests/bench/stream/our_host.h"
@@ -119,6 +120,11 @@ void compare(const std::string& self, const std::string& python, const Stream& s
   demand(plain.outcome.resends == 0 && plain.outcome.bytes_dropped == 0, "no resends on a clean line");
   demand(per_100k(plain.outcome.cpu, stream) <= 2, "2 CPU s for 100,000 lines");
   demand(plain.outcome.resident_mb < 16, "16 MB");
+  {
+    const KeptAwake awake;
+    measure("voidpath, cores awake", printer(baud, false), {self, "--host", "PORT", rate, file, window},
+            stream);
+  }
   const Row packed = measure("voidpath, MeatPack", printer(baud, true),
                              {self, "--host", "PORT", rate, file, window}, stream);
   demand(packed.of_plain >= 1.5, "1.5 x the plain limit with MeatPack");
