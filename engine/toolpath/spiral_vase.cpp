@@ -185,13 +185,61 @@ class Spiral {
   std::vector<VaseLayer> walls_;
 };
 
+/// A place of a round, and the one on the contour below from which it has come.
+struct Step {
+  Point own, below;
+  double way = 0;  ///< from the step before along the round, nm
+};
+
+/// Adds the corners of the contour below that lie between the feet of `a` and `b`, where the round goes
+/// straight from one to the other: as long as the round has hardly left it, it must have its shape.
+void add_corners(std::vector<Step>& steps, const Ring& below, const Nearest& from, const Nearest& to,
+                 const Point& a, const Point& b) {
+  const std::size_t n = below.size();
+  const std::size_t corners = (to.edge + n - from.edge) % n;
+  // Feet may go back a little where the round bends away.
+  if (corners > n / 2) return;
+  const auto dx = static_cast<double>(b.x - a.x), dy = static_cast<double>(b.y - a.y);
+  const double length = std::hypot(dx, dy);
+  double gone = 0;
+  for (std::size_t k = 1; k <= corners; ++k) {
+    const Point& corner = below[(from.edge + k) % n];
+    const double along =
+        (static_cast<double>(corner.x - a.x) * dx + static_cast<double>(corner.y - a.y) * dy) / length;
+    const double at = std::clamp(along, gone, length);
+    const Point own = between(a, b, at / length);
+    if (geom::distance(own, corner) > kMaxBlendMm * geom::kNmPerMm) continue;
+    steps.push_back({own, corner, at - gone});
+    gone = at;
+  }
+  steps.push_back({b, b, length - gone});
+}
+
+/// From the contour below to the round: all corners of the round but the first, and those of the contour
+/// below. Where they are too far apart, a place comes from itself.
+std::vector<Step> steps_from(const Ring& below, const geom::Polyline& round) {
+  std::vector<Step> out;
+  Nearest before = nearest_on(below, round.front());
+  const auto close = [](const Nearest& foot) { return foot.distance <= kMaxBlendMm * geom::kNmPerMm; };
+  for (std::size_t k = 1; k < round.size(); ++k) {
+    const Nearest foot = nearest_on(below, round[k]);
+    const std::size_t first = out.size();
+    if (close(before) && close(foot)) add_corners(out, below, before, foot, round[k - 1], round[k]);
+    if (out.size() == first) out.push_back({round[k], round[k], geom::distance(round[k - 1], round[k])});
+    if (close(foot)) out.back().below = foot.point;
+    before = foot;
+  }
+  return out;
+}
+
 }  // namespace
 
 geom::Rings vase_contours(const geom::Regions& outline, double line_width_mm) {
   return VaseLayer(outline, line_width_mm).contours;
 }
 
-geom::Polyline vase_round(const Ring& ring, const Ring& below, const Point& end, const Point& begin) {
+geom::Polyline vase_round(const Ring& ring, const Ring& below, const geom::Point& end,
+                          const geom::Point& begin) {
   const Nearest from = nearest_on(ring, end);
   geom::Polyline round{from.point};
   for (std::size_t k = 1; k <= ring.size(); ++k) {
@@ -201,17 +249,13 @@ geom::Polyline vase_round(const Ring& ring, const Ring& below, const Point& end,
   if (round.back() != from.point) round.push_back(from.point);
   if (below.empty()) return round;
   if (geom::distance(begin, from.point) > kMaxBlendMm * geom::kNmPerMm) return round;
-  std::vector<double> along{0};
-  for (std::size_t k = 1; k < round.size(); ++k)
-    along.push_back(along.back() + geom::distance(round[k - 1], round[k]));
-  const double length = along.back();
-  geom::Polyline out;
-  for (std::size_t k = 0; k < round.size(); ++k) {
-    const double t = length > 0 ? along[k] / length : 1;
-    const Nearest foot = nearest_on(below, round[k]);
-    Point p = foot.distance <= kMaxBlendMm * geom::kNmPerMm ? between(foot.point, round[k], t) : round[k];
-    if (k == 0) p = begin;
-    if (out.empty() || p != out.back()) out.push_back(p);
+  geom::Polyline out{begin};
+  const double length = geom::length(round);
+  double along = 0;
+  for (const Step& step : steps_from(below, round)) {
+    along += step.way;
+    const Point p = between(step.below, step.own, length > 0 ? along / length : 1);
+    if (p != out.back()) out.push_back(p);
   }
   return out;
 }

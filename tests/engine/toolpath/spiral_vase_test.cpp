@@ -102,6 +102,35 @@ TEST_CASE("a vase's rounds pass into one another without a step") {
   }
 }
 
+TEST_CASE("a vase's round keeps between its own contour and the one below, wherever their corners are") {
+  const auto dozen = [](double turn, double radius) {
+    geom::Ring ring;
+    for (int k = 0; k < 12; ++k) {
+      const double angle = (k + turn) * std::numbers::pi / 6;
+      ring.push_back({from_mm(80 + radius * std::cos(angle)), from_mm(80 + radius * std::sin(angle))});
+    }
+    return ring;
+  };
+  const geom::Coord slack = from_mm(0.03);  // half way, edges keep to neither contour's corners
+  for (const double grown : {-0.2, 0.0, 0.2}) {
+    const geom::Ring below = dozen(0.5, 10), own = dozen(0, 10 + grown);
+    const geom::Regions either = geom::offset(geom::unite(geom::Regions{{below, {}}}, {{own, {}}}), slack),
+                        both = geom::offset(geom::intersect({{below, {}}}, {{own, {}}}), -slack);
+    const geom::Point begin{(below.front().x + below.back().x) / 2, (below.front().y + below.back().y) / 2};
+    const auto round = toolpath::vase_round(own, below, own.front(), begin);
+    CAPTURE(grown);
+    CHECK((round.front() == begin));
+    CHECK((round.back() == own.front()));
+    for (std::size_t k = 1; k < round.size(); ++k)
+      for (int part = 0; part < 8; ++part) {
+        const geom::Point &a = round[k - 1], &b = round[k];
+        const geom::Point p{a.x + (b.x - a.x) * part / 8, a.y + (b.y - a.y) * part / 8};
+        CHECK(geom::contains(either.front(), p));
+        CHECK_FALSE(geom::contains(both.front(), p));
+      }
+  }
+}
+
 TEST_CASE("layers with several contours print as closed loops, and the spiral begins anew") {
   const auto plan = toolpath::build(fork_stack(), vase_settings());
   std::size_t loops = 0;
