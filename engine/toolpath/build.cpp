@@ -9,6 +9,8 @@
 #include "engine/toolpath/draft.h"
 #include "engine/toolpath/fill_directions.h"
 #include "engine/toolpath/fill_paths.h"
+#include "engine/toolpath/hanging_fill.h"
+#include "engine/toolpath/lean.h"
 #include "engine/toolpath/lightning.h"
 #include "engine/toolpath/outline.h"
 #include "engine/toolpath/overhangs.h"
@@ -25,6 +27,7 @@
 #include "engine/toolpath/unheld.h"
 
 #include <algorithm>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -223,12 +226,26 @@ class Builder {
   /// What still would hang is cut back, or told as an overhang.
   void mind_the_air() {
     if (whole_) cut_threads(std::span(plan_.layers).subspan(below()), stack_, bare_, slice(), ctx_);
+    // Looks at the lines of other layers, which none may change meanwhile.
+    std::vector<std::optional<std::vector<Path>>> bridged(n_);
+    if (whole_ && slice().support_interface_layers > 0)
+      run::parallel_for(ctx_, n_, [&](std::size_t i) { bridged[i] = bridge_hanging_fill_of(i); });
     run::parallel_for(ctx_, n_, [&](std::size_t g) {
       const std::size_t i = groups_[g].sample;
+      if (bridged[g]) layer(g).paths = std::move(*bridged[g]);
       if (i > 0)
         mark_overhangs(layer(g).paths, stack_[i].regions, stack_[i - 1].regions, bare_[i - 1],
                        beads_[below() + g].width_mm, settings_.speed);
     });
+  }
+
+  /// Over dense support alone: what lies between sparse lines is held as far as was asked for.
+  std::optional<std::vector<Path>> bridge_hanging_fill_of(std::size_t i) {
+    if (i == 0 || surfaces_[i].unheld.empty()) return std::nullopt;
+    const std::size_t bearer = layer_below_gap(stack_, i, slice().support_z_gap_mm);
+    if (bearer >= n_) return std::nullopt;  // the plate is as near as a support would be
+    return bridge_hanging_fill(layer(i).paths, surfaces_[i].unheld, stack_[i - 1].regions,
+                               layer(bearer).paths, lean_mm(slice(), stack_[i].span.height_mm()));
   }
 
   const std::vector<LayerGroup>& groups_;

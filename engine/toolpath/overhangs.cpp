@@ -95,12 +95,35 @@ class Carrier {
   std::vector<std::optional<geom::AreaGrid>> grids_;
 };
 
+bool hangs(const Stretch& s, const std::vector<Band>& bands) {
+  return s.band > 0 && bands[s.band - 1].overhang;
+}
+bool is_too_short(const Stretch& s, const std::vector<Band>& bands) {
+  return geom::length(s.points) < (hangs(s, bands) ? kMinHangingMm : kMinStretchMm) * geom::kNmPerMm;
+}
+
+/// What hangs along one stretch counts together: those too short to be named join the next that hang, and
+/// the longer tells the band.
+std::vector<Stretch> gathered(std::vector<Stretch>&& stretches, const std::vector<Band>& bands) {
+  std::vector<Stretch> out;
+  for (auto& s : stretches) {
+    if (out.empty() || !hangs(s, bands) || !hangs(out.back(), bands) ||
+        (!is_too_short(s, bands) && !is_too_short(out.back(), bands))) {
+      out.push_back(std::move(s));
+      continue;
+    }
+    Stretch& last = out.back();
+    if (geom::length(s.points) > geom::length(last.points)) last.band = s.band;
+    last.points.insert(last.points.end(), s.points.begin() + 1, s.points.end());
+  }
+  return out;
+}
+
 /// Stretches that are too short join the one before them, and equal ones each other.
 std::vector<Stretch> merged(std::vector<Stretch>&& stretches, const std::vector<Band>& bands) {
   std::vector<Stretch> out;
-  for (auto& s : stretches) {
-    const bool hangs = s.band > 0 && bands[s.band - 1].overhang;
-    const bool is_short = geom::length(s.points) < (hangs ? kMinHangingMm : kMinStretchMm) * geom::kNmPerMm;
+  for (auto& s : gathered(std::move(stretches), bands)) {
+    const bool is_short = is_too_short(s, bands);
     if (!out.empty() && (is_short || out.back().band == s.band))
       out.back().points.insert(out.back().points.end(), s.points.begin() + 1, s.points.end());
     else

@@ -78,6 +78,34 @@ TEST_CASE("a wall that leaves the layer below is cut where its bead hangs more, 
   CHECK(geom::to_mm(paths[1].points.front().x) == Approx(70).margin(0.6));
 }
 
+TEST_CASE("stretches that hang by more and less count together") {
+  const geom::Regions below{rectangle(50, 50, 70, 70)};
+  const geom::Regions own{rectangle(50, 50, 71, 70)};
+  toolpath::Path wall = wall_beyond(0);
+  const auto hanging_mm = [&](std::initializer_list<std::pair<double, double>> corners) {
+    wall.points.clear();
+    for (const auto& [beyond, y] : corners) wall.points.push_back({from_mm(70 + beyond), from_mm(y)});
+    std::vector<toolpath::Path> paths{wall};
+    toolpath::mark_overhangs(paths, own, below, {}, 0.45, bare_settings().speed);
+    double sum = 0;
+    for (const auto& path : paths)
+      if (path.role == Role::overhang_perimeter) sum += length_mm(path);
+    return sum;
+  };
+  // Three quarters of the bead hang from 0.11 mm beyond the edge on, all of it from 0.23 mm on.
+  CHECK(hanging_mm({{0, 55}, {0, 60}, {0.15, 60}, {0.15, 60.2}, {0, 60.2}, {0, 65}}) == 0);
+  CHECK(hanging_mm({{0, 55},
+                    {0, 60},
+                    {0.15, 60},
+                    {0.15, 60.2},
+                    {0.3, 60.2},
+                    {0.3, 60.3},
+                    {0.15, 60.3},
+                    {0.15, 60.5},
+                    {0, 60.5},
+                    {0, 65}}) > 0.5);
+}
+
 TEST_CASE("what is too thin below to have been printed carries no wall") {
   toolpath::PrintSettings s = bare_settings();
   // Between two blocks a blade, narrower than any line; a firm bridge between them carries.
