@@ -8,6 +8,7 @@
 #include "engine/toolpath/outline.h"
 #include "engine/toolpath/perimeters.h"
 #include "engine/toolpath/region_ops.h"
+#include "engine/toolpath/sharp_corners.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,7 +29,7 @@ using geom::Ring;
 constexpr double kMaxBlendMm = 1.0;
 /// What is too narrow for the wall and as large as a tip this long, mm, is printed by itself; less would cost
 /// more in stops than it shows.
-constexpr double kLeastFinMm = 1.0;
+constexpr double kLeastFinMm = 0.6;
 /// What is thinner than this is not there, mm.
 constexpr double kLeastSheetMm = 0.04;
 /// Of offsets that undo one another, nm.
@@ -91,6 +92,7 @@ struct VaseLayer {
         append(sheets, geom::open({region}, from_mm(0.5 * kLeastSheetMm)));
         continue;
       }
+      for (auto& r : inner) r = {with_corners_out(r.outer, region, line_width_mm), {}};
       add_fins(region, inner, half);
       for (auto& r : inner) contours.push_back(std::move(r.outer));
     }

@@ -27,7 +27,7 @@ constexpr double kBorderShare = 1.0;
 /// Walls thinner than this are printed this wide, mm.
 constexpr double kThinnestBead = 0.3;
 /// Of a vase's outline a tip narrower than a line may be missing as far as this, mm.
-constexpr double kVaseTip = 1.0;
+constexpr double kVaseTip = 0.6;
 /// Distances up to this many pixels are looked up one by one.
 constexpr int kNearPixels = 4;
 /// Ends of strands that meet, with the digits of their coordinates, mm.

@@ -149,6 +149,57 @@ TEST_CASE("layers with several contours print as closed loops, and the spiral be
   CHECK(plan.layers[30].paths[0].rise->share_from == 0);
 }
 
+TEST_CASE("at sharp corners a vase's wall reaches into the tip, and hardly over the flanks") {
+  const double half = 0.5 * 0.45;
+  for (const double degrees : {25.0, 40.0, 60.0, 85.0, 90.0, 120.0}) {
+    CAPTURE(degrees);
+    // A kite with this angle at its tip.
+    const double angle = degrees * std::numbers::pi / 180;
+    const double wide = 20 * std::tan(0.5 * angle);
+    const geom::Ring kite = {
+        {0, 0}, {from_mm(20), from_mm(-wide)}, {from_mm(20 + wide), 0}, {from_mm(20), from_mm(wide)}};
+    const geom::Rings contours = toolpath::vase_contours({{kite, {}}}, 2 * half);
+    REQUIRE(contours.size() == 1);
+    double tip = 1e9, over = 0, moved = 0;
+    const auto n = contours.front().size();
+    for (std::size_t i = 0; i < n; ++i)
+      for (int part = 0; part < 50; ++part) {
+        const geom::Point &a = contours.front()[i], &b = contours.front()[(i + 1) % n];
+        const double x = geom::to_mm(a.x + (b.x - a.x) * part / 50);
+        const double y = geom::to_mm(a.y + (b.y - a.y) * part / 50);
+        tip = std::min(tip, x - half);
+        // From the flanks that meet in the tip.
+        if (x > 19) continue;
+        const double inside = x * std::sin(0.5 * angle) - std::abs(y) * std::cos(0.5 * angle);
+        over = std::max(over, half - inside);
+        if (inside < half - 1e-3 && std::hypot(x, y) > half / std::sin(0.5 * angle) + 1.01) moved = x;
+      }
+    CHECK(over == Approx(degrees < 90 ? 0.04 : 0).margin(1e-4));
+    CHECK(moved == 0);
+    CHECK(tip == Approx((half - over) / std::sin(0.5 * angle) - half).margin(1e-3));
+  }
+}
+
+TEST_CASE("a vase's wall reaches out where the part has a tip, not where its contour alone has one") {
+  // A bar with round ends, hardly wider than the wall: what is left inside ends in points.
+  const double radius = 0.235;
+  geom::Ring bar;
+  for (int k = 0; k <= 32; ++k) {
+    const double angle = (k - 16) * std::numbers::pi / 32;
+    bar.push_back({from_mm(80 + radius * std::cos(angle)), from_mm(80 + radius * std::sin(angle))});
+  }
+  const std::size_t end = bar.size();
+  for (std::size_t k = 0; k < end; ++k) bar.push_back({from_mm(140) - bar[k].x, from_mm(160) - bar[k].y});
+  const geom::Rings contours = toolpath::vase_contours({{bar, {}}}, 0.45);
+  REQUIRE(contours.size() == 1);
+  for (const geom::Point& p : contours.front()) {
+    double nearest = 1e9;
+    for (std::size_t k = 0; k < bar.size(); ++k)
+      nearest = std::min(nearest, geom::distance(p, bar[k]) / geom::kNmPerMm);
+    CHECK(nearest > 0.18);
+  }
+}
+
 TEST_CASE("what is too thin for a vase's wall is one line down its middle") {
   const auto s = vase_settings();
   const auto lines = [](const toolpath::LayerPlan& layer) {
@@ -169,7 +220,7 @@ TEST_CASE("what is too thin for a vase's wall is one line down its middle") {
     });
   };
   const auto thin = toolpath::build(sheet, s), finned = toolpath::build(fin(66), s),
-             tipped = toolpath::build(fin(60.6), s);
+             tipped = toolpath::build(fin(60.4), s);
   for (std::size_t i = 3; i < 20; ++i) {
     CAPTURE(i);
     CHECK(lines(thin.layers[i]) == Approx(30).margin(0.5));
