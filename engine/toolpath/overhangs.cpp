@@ -24,6 +24,8 @@ constexpr double kMinHangingMm = 0.3;
 constexpr double kHanging = 0.75;
 /// Of the layer below, what is thinner than this carries no line: little or nothing of it was printed, mm.
 constexpr double kFirmMm = 0.25;
+/// What is taken away takes so much along, mm: else rounding leaves slivers along its border.
+constexpr double kRoundingMm = 0.002;
 /// Gap lines are looked at so often, mm.
 constexpr double kLookMm = 0.25;
 /// What is bare below is looked at from this size on, mm: over less a line hangs no further than over a step.
@@ -132,14 +134,43 @@ std::vector<Stretch> merged(std::vector<Stretch>&& stretches, const std::vector<
   return out;
 }
 
-/// A loop whose seam hangs begins where it is carried best: what begins in the air holds to nothing. Whether
-/// it now begins elsewhere.
+/// In two at its middle.
+std::pair<Stretch, Stretch> halves(Stretch&& whole) {
+  double left = 0.5 * geom::length(whole.points);
+  std::size_t k = 1;
+  double step = geom::distance(whole.points[0], whole.points[1]);
+  while (step < left && k + 1 < whole.points.size()) {
+    left -= step;
+    step = geom::distance(whole.points[k], whole.points[k + 1]), ++k;
+  }
+  const double t = step > 0 ? left / step : 0;
+  const geom::Point &a = whole.points[k - 1], &b = whole.points[k];
+  const geom::Point middle{a.x + std::llround(t * static_cast<double>(b.x - a.x)),
+                           a.y + std::llround(t * static_cast<double>(b.y - a.y))};
+  const auto cut = whole.points.begin() + static_cast<std::ptrdiff_t>(k);
+  Stretch first{{whole.points.begin(), cut}, whole.band}, second{{cut, whole.points.end()}, whole.band};
+  first.points.push_back(middle);
+  second.points.insert(second.points.begin(), middle);
+  return {std::move(first), std::move(second)};
+}
+
+/// A loop whose seam hangs begins where it is carried best, and there as far as can be from where it hangs
+/// more: what begins in the air holds to nothing. Whether it now begins elsewhere.
 bool begin_held(std::vector<Stretch>& loop, const std::vector<Band>& bands) {
-  if (loop.empty() || loop.front().band == 0 || !bands[loop.front().band - 1].overhang) return false;
-  const auto best = std::min_element(loop.begin(), loop.end(),
-                                     [](const Stretch& a, const Stretch& b) { return a.band < b.band; });
-  if (best->band == loop.front().band) return false;
+  if (loop.size() < 2 || loop.front().band == 0 || !bands[loop.front().band - 1].overhang) return false;
+  if (loop.front().band == loop.back().band) {  // cut by the seam alone
+    loop.back().points.insert(loop.back().points.end(), loop.front().points.begin() + 1,
+                              loop.front().points.end());
+    loop.front() = std::move(loop.back());
+    loop.pop_back();
+  }
+  const auto best = std::min_element(loop.begin(), loop.end(), [](const Stretch& a, const Stretch& b) {
+    return std::pair(a.band, -geom::length(a.points)) < std::pair(b.band, -geom::length(b.points));
+  });
   std::rotate(loop.begin(), best, loop.end());
+  auto [end, begin] = halves(std::move(loop.front()));
+  loop.front() = std::move(begin);
+  loop.push_back(std::move(end));
   return true;
 }
 
@@ -151,7 +182,7 @@ geom::Regions firm_part(const geom::Regions& below, const geom::Regions& bare, c
   const geom::Regions near = quick_intersect(below, {{geom::make_rectangle(around.min, around.max), {}}});
   geom::Regions thin = quick_subtract(near, geom::open(near, width / 2));
   if (!thin.empty()) thin = quick_intersect(thin, {{geom::make_rectangle(box.min, box.max), {}}});
-  return quick_subtract(below, quick_unite(thin, near_box(bare, box)));
+  return quick_subtract(below, geom::offset(quick_unite(thin, near_box(bare, box)), from_mm(kRoundingMm)));
 }
 
 /// How much of the straight line lies inside, nm.

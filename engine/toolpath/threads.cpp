@@ -191,17 +191,20 @@ geom::Regions hanging_chains(const std::vector<Path>& paths, const geom::Regions
   return boxes.empty() ? geom::Regions{} : geom::unite(boxes);
 }
 
-/// What carries the lines of layer i there: the layer below without what is missing, lower ones over a gap in
-/// which no support has room, and support.
+/// What carries the lines of layer i there: the layer below without what of it is bare, lower ones over a gap
+/// in which no support has room, and support.
 geom::Regions ground_of(std::size_t i, const geom::Regions& where, const slice::LayerStack& stack,
-                        const geom::Regions& support, const geom::Regions& missing, const SliceSettings& s) {
+                        const geom::Regions& support, const std::vector<geom::Regions>& bare,
+                        const SliceSettings& s) {
+  const geom::Coord sliver = from_mm(kSliverMm);
   geom::Regions over = quick_intersect(stack[i - 1].regions, where);  // no gap of the part's own
-  geom::Regions out = geom::open(quick_subtract(over, missing), from_mm(kSliverMm));
+  geom::Regions out = geom::open(quick_subtract(over, bare[i - 1]), sliver);
   const slice::LayerSpan& span = stack[i].span;
   const double no_room = 2 * s.support_z_gap_mm + span.height_mm() - kStepMm;
   for (std::size_t j = i - 1; j-- > 0 && span.bottom_mm - stack[j].span.top_mm < no_room;) {
-    const geom::Regions lower = quick_intersect(stack[j].regions, where);
-    out = quick_unite(out, missing.empty() ? lower : quick_subtract(lower, over));
+    const geom::Regions lower = quick_subtract(quick_intersect(stack[j].regions, where), over);
+    if (lower.empty()) continue;
+    out = quick_unite(out, geom::open(quick_subtract(lower, bare[j]), sliver));
     over = quick_unite(over, lower);
   }
   const double lean = lean_mm(s, span.height_mm());
@@ -227,7 +230,7 @@ void cut_threads(std::span<LayerPlan> layers, const slice::LayerStack& stack,
     const geom::Regions where = hanging_chains(layers[i].paths, stack[i - 1].regions, bare[i - 1], widest,
                                                lean_mm(settings, stack[i].span.height_mm()));
     if (where.empty()) return;
-    const geom::Regions ground = ground_of(i, where, stack, layers[bearer].support, bare[i - 1], settings);
+    const geom::Regions ground = ground_of(i, where, stack, layers[bearer].support, bare, settings);
     append(cut_off[i], Cutter(layers[i].paths, ground, widest, &where).run());
   };
   run::parallel_for(ctx, layers.size(), [&](std::size_t i) {

@@ -114,6 +114,27 @@ TEST_CASE("a fin too thin for a line grows out over air tip by tip, and is whole
   for (std::size_t i = 26; i < 36; ++i) CHECK(fin_mm(i) <= fin_mm(i - 1) + 0.65);
 }
 
+TEST_CASE("what was not printed further down holds no thread across a gap") {
+  // A blade too thin for a line, a layer without it, and a fin right above.
+  const auto stack = stack_of(8, 0.2, [](double z) {
+    geom::Regions out{rectangle(50, 50, 60, 60)};
+    if (z > 4.8 && z < 5) out = geom::unite(out, {rectangle(60, 54.1, 66, 54.15)});
+    if (z > 5.2) out = geom::unite(out, {rectangle(60, 54, 66, 54.25)});
+    return out;
+  });
+  toolpath::PrintSettings s;
+  s.slice.skirt_loops = 0;
+  s.slice.support = toolpath::SupportMode::none;
+  const auto plan = toolpath::build(stack, s);
+  REQUIRE(stack[25].regions.front() != stack[26].regions.front());
+  double reach = 60;
+  for (const Path& p : plan.layers[26].paths)
+    if (p.role == Role::gap_fill || p.role == Role::overhang_perimeter)
+      for (const geom::Point& q : p.points) reach = std::max(reach, geom::to_mm(q.x));
+  CHECK(reach > 60);
+  CHECK(reach < 60.7);
+}
+
 TEST_CASE("of a line that hangs whole stays a tip in its middle; a shorter one stays") {
   std::vector<Path> paths{thread(12, 14, 0.2), thread(16, 16.35, 0.2)};
   CHECK(!toolpath::cut_threads(paths, kGround, kWidestMm).empty());
