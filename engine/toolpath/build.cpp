@@ -220,7 +220,7 @@ class Builder {
       hold_tips(layer(i).paths, stack_[i].regions, stack_[i - 1].regions, layer(bearer).support);
     // Over an equal outline the same lines lie: nothing of them is over what is bare.
     if (i + 1 < n_ && stack_[i + 1].regions != stack_[i].regions)
-      bare_[i] = bare_parts(walls_[i], layer(i).paths);
+      bare_[i] = bare_parts(walls_[i], layer(i).paths, stack_[i].regions);
   }
 
   /// What still would hang is cut back, or told as an overhang.

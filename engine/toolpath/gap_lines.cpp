@@ -246,7 +246,11 @@ void add_dot(std::vector<Path>& out, const geom::Region& area, const BeadSize& b
         ++steps;
       return steps;
     };
-    const int ahead = std::max(reach(1), kLeastDotSteps), behind = std::max(reach(-1), kLeastDotSteps);
+    // Out of a spot smaller than that only as far as makes it a line.
+    const auto least = [&](int way) {
+      return geom::contains(area, at(way * kLeastDotSteps)) ? kLeastDotSteps : 1;
+    };
+    const int ahead = std::max(reach(1), least(1)), behind = std::max(reach(-1), least(-1));
     if (ahead + behind > longest) longest = ahead + behind, line = {at(-behind), at(ahead)};
   }
   const double spacing = bead_spacing_mm(width, bead.height_mm);

@@ -3,6 +3,8 @@
 #include "engine/geom/area_grid.h"
 #include "engine/geom/polygon_ops.h"
 #include "engine/toolpath/border.h"
+#include "engine/toolpath/fill_paths.h"
+#include "engine/toolpath/perimeters.h"
 #include "engine/toolpath/region_ops.h"
 
 #include <algorithm>
@@ -23,6 +25,8 @@ constexpr double kOntoGroundMm = 0.2;
 constexpr double kOutsideMm = 0.05;
 /// ...and if that turns it by no more than this cosine tells.
 constexpr double kOnwards = 0.3;
+/// Where there is no room for that bead, one at least so wide, mm, goes on from it.
+constexpr double kLeastLeadMm = 0.2;
 /// Ground straight on is looked for this far and this often, mm: further on lie beads of the layer itself.
 constexpr double kMaxStraightMm = 0.3;
 constexpr double kStepMm = 0.05;
@@ -46,6 +50,8 @@ class Chains {
     for (std::size_t i = 0; i < paths_.size(); ++i)
       for (const bool back : {false, true})
         if (is_line(paths_[i]) && at_[key(end(i, back))] == 1) lead(i, back);
+    for (auto more = narrower_.rbegin(); more != narrower_.rend(); ++more)
+      paths_.insert(paths_.begin() + static_cast<std::ptrdiff_t>(more->first), std::move(more->second));
   }
 
  private:
@@ -59,15 +65,44 @@ class Chains {
     return back ? paths_[i].points.back() : paths_[i].points.front();
   }
 
+  /// The line's point a width or more from an end: nearer ones tell little about where it leads.
+  const geom::Point& before_end(std::size_t i, bool back) const {
+    const geom::Polyline& line = paths_[i].points;
+    const std::size_t n = line.size();
+    std::size_t k = 1;
+    while (k + 1 < n &&
+           geom::distance(line[back ? n - 1 - k : k], end(i, back)) < paths_[i].width_mm * geom::kNmPerMm)
+      ++k;
+    return line[back ? n - 1 - k : k];
+  }
+
   void lead(std::size_t i, bool back) {
     geom::Polyline& line = paths_[i].points;
     const geom::Point from = end(i, back);
     if (ground_.contains(from)) return;
-    const geom::Point& before = back ? line[line.size() - 2] : line[1];
+    const geom::Point before = back ? line[line.size() - 2] : line[1];
     std::optional<geom::Point> onto = by_nearest_way(from, before, paths_[i].width_mm);
     if (!onto) onto = straight_on(from, before, paths_[i].width_mm);
-    if (!onto) return;
+    if (!onto) return lead_narrower(i, back);
     line.insert(back ? line.end() : line.begin(), *onto);
+    --at_[key(from)];
+    ++at_[key(*onto)];
+  }
+
+  /// By a bead of its own, as wide as there is room for.
+  void lead_narrower(std::size_t i, bool back) {
+    const Path& path = paths_[i];
+    const geom::Point from = end(i, back);
+    const std::optional<geom::Point> onto = by_nearest_way(from, before_end(i, back), kLeastLeadMm);
+    if (!onto) return;
+    const double half = 0.5 * path.width_mm;
+    const BeadSize bead{std::min(path.width_mm, 2 * (own_border_.distance_mm(*onto, half) + kOutsideMm)),
+                        path.height_mm};
+    geom::Polyline line{from, *onto};
+    if (!back) std::reverse(line.begin(), line.end());
+    Path lead = make_path(path.role, std::move(line), false, bead.width_mm, bead.height_mm, bead.area_mm2());
+    lead.max_speed_mm_s = path.max_speed_mm_s;
+    narrower_.emplace_back(back ? i + 1 : i, std::move(lead));
     --at_[key(from)];
     ++at_[key(*onto)];
   }
@@ -111,6 +146,7 @@ class Chains {
   }
 
   std::vector<Path>& paths_;
+  std::vector<std::pair<std::size_t, Path>> narrower_;  ///< to be inserted before the path of that number
   geom::AreaGrid own_;
   Border own_border_;
   geom::AreaGrid ground_;

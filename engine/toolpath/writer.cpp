@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 
 namespace voidpath::toolpath {
@@ -14,6 +15,8 @@ constexpr double kEUnitsPerMm = 1e5;
 constexpr int kEDecimals = 5;
 constexpr int kLengthDecimals = 3;
 constexpr geom::Coord kNmPerUm = 1000;
+/// Less is no move of its own, µm in x and in y: it would press out nothing or next to nothing.
+constexpr std::int64_t kHardlyMovedUm = 4;
 /// Wiping goes by a little slower than travelling, so that the retraction keeps up.
 constexpr double kWipeSpeedShare = 0.8;
 
@@ -199,11 +202,16 @@ void Writer::climb(const geom::Point& to, double z_mm, double volume_mm3, double
   put_extrusion(to, z_mm, volume_mm3, speed_mm_s);
 }
 
+bool Writer::is_hardly_a_move(const geom::Point& to) const {
+  return x_um_ && y_um_ && std::abs(to_um(to.x) - *x_um_) <= kHardlyMovedUm &&
+         std::abs(to_um(to.y) - *y_um_) <= kHardlyMovedUm;
+}
+
 void Writer::put_extrusion(const geom::Point& to, std::optional<double> z_mm, double volume_mm3,
                            double speed_mm_s) {
   const double filament = filament_for(volume_mm3);
-  if (x_um_ == to_um(to.x) &&
-      y_um_ == to_um(to.y)) {  // less than the last digit: its material goes to the next move
+  if (z_mm ? x_um_ == to_um(to.x) && y_um_ == to_um(to.y) : is_hardly_a_move(to)) {
+    // Its material goes to the next one.
     e_exact_mm_ += filament;
     at_ = to;
     return;

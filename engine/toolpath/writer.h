@@ -57,6 +57,7 @@ class Writer {
   void put_z(double z_mm);
   void put_e(double filament_mm);
   void put_feed(double mm_s);
+  bool is_hardly_a_move(const geom::Point& to) const;
   void put_extrusion(const geom::Point& to, std::optional<double> z_mm, double volume_mm3, double speed_mm_s);
 
   const PrintSettings& settings_;

@@ -33,7 +33,15 @@ Printed printed(const geom::Regions& outline) {
     toolpath::add_gap_lines(out.gap_lines, island.gaps, out.walls.bead, s.resolution_mm);
     toolpath::add_thin_lines(out.gap_lines, island.thin, out.walls.bead, s.resolution_mm);
   }
-  out.bare = toolpath::bare_parts(out.walls, out.gap_lines);
+  out.bare = toolpath::bare_parts(out.walls, out.gap_lines, outline);
+  return out;
+}
+
+/// What begins left of an x, mm.
+geom::Regions left_of(const geom::Regions& regions, double x_mm) {
+  geom::Regions out;
+  for (const geom::Region& r : regions)
+    if (geom::bounds(r.outer)->min.x < from_mm(x_mm)) out.push_back(r);
   return out;
 }
 
@@ -49,7 +57,7 @@ TEST_CASE("what walls and gap lines cover is not bare, but for corners beside ro
 TEST_CASE("without its lines a web is bare, and only the web") {
   Printed web = printed(geom::unite({rectangle(50, 50, 60, 70)}, {rectangle(60, 60, 66, 60.3)}));
   REQUIRE(!web.gap_lines.empty());
-  const geom::Regions bare = toolpath::bare_parts(web.walls, {});
+  const geom::Regions bare = toolpath::bare_parts(web.walls, {}, {});
   CHECK(area_mm2(bare) == Approx(6 * 0.3).epsilon(0.1));
 }
 
@@ -60,4 +68,23 @@ TEST_CASE("a bump too short for a line of its own is bare") {
   REQUIRE(box.has_value());
   CHECK(geom::to_mm(box->min.x) > 69.9);
   CHECK(geom::to_mm(box->max.x) == Approx(70.35).margin(0.02));
+}
+
+TEST_CASE("the tip of an acute corner is bare as far as a round bead stays away from it") {
+  for (const double half_deg : {15.0, 25.0, 35.0, 45.0}) {
+    CAPTURE(half_deg);
+    const double half = half_deg * M_PI / 180;
+    const geom::Region wedge{{{from_mm(50), from_mm(50)},
+                              {from_mm(70), from_mm(50 - 20 * std::tan(half))},
+                              {from_mm(70), from_mm(50 + 20 * std::tan(half))}},
+                             {}};
+    const Printed p = printed({wedge});
+    const auto box = geom::bounds(geom::open(left_of(p.bare, 52), from_mm(0.02)));
+    const double reach = 0.5 * p.walls.bead.width_mm * (1 / std::sin(half) - 1);
+    REQUIRE(box.has_value() == (half_deg < 40));
+    if (!box) continue;
+    CHECK(geom::to_mm(box->max.x) - 50 > 0.75 * reach);
+    // In a blade no wall has room, and more is bare.
+    CHECK(geom::to_mm(box->max.x) - 50 < reach + (half_deg < 20 ? 0.6 : 0.02));
+  }
 }

@@ -143,6 +143,21 @@ TEST_CASE("numbers are short and exact") {
   CHECK(toolpath::decimal(0.2, 3) == "0.2");
 }
 
+TEST_CASE("steps of a few thousandths are no moves, and their material is not lost") {
+  auto s = bare_settings();
+  toolpath::Plan plan = toolpath::build(box_stack(10, 10, 1), s);
+  const double before = read(text_of(plan, s), s.machine.relative_e).e_total;
+  const std::size_t lines = read(text_of(plan, s), s.machine.relative_e).lines.size();
+  for (auto& layer : plan.layers)
+    for (auto& path : layer.paths) {
+      const geom::Point& p = path.points[1];
+      path.points.insert(path.points.begin() + 1, {{p.x - 2500, p.y}, {p.x - 1200, p.y + 1500}});
+    }
+  const Reading after = read(text_of(plan, s), s.machine.relative_e);
+  CHECK(after.lines.size() == lines);
+  CHECK(after.e_total == Approx(before).epsilon(1e-3));
+}
+
 TEST_CASE("placeholders are replaced, unknown ones named") {
   toolpath::PrintSettings s;
   s.slice.skirt_loops = 0;

@@ -217,6 +217,17 @@ TEST_CASE("an area too small for a wall gets a spot that fills it and stays insi
     }
 }
 
+TEST_CASE("the spot for what is smaller than a spot reaches hardly beyond it") {
+  const auto plan = toolpath::build(box_stack(0.08, 0.06, 1), bare_settings());
+  REQUIRE(plan.layers[2].paths.size() == 1);
+  const toolpath::Path& spot = plan.layers[2].paths[0];
+  const auto box = geom::bounds(spot.points);
+  const double beyond = 0.5 * spot.width_mm;
+  CHECK(geom::to_mm(box->min.x) - beyond > 50 - 0.08);
+  CHECK(geom::to_mm(box->max.x) + beyond < 50.08 + 0.08);
+  CHECK(length_mm(spot) > 0.04);
+}
+
 TEST_CASE("a hollow that walls leave in their middle is closed") {
   auto s = bare_settings();
   // Two walls leave a hollow of 0.1 to 0.8 mm.

@@ -4,6 +4,7 @@
 #include "engine/toolpath/tips.h"
 #include "tests/engine/toolpath/shapes.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <catch2/catch.hpp>
@@ -254,6 +255,30 @@ TEST_CASE("gap lines go straight on along ground that lies beside them") {
   REQUIRE(paths[0].points.size() == 3);
   CHECK(geom::to_mm(paths[0].points.back().x) == Approx(69.5 + 0.05 + 0.2));
   CHECK(paths[0].points.back().y == from_mm(51));
+}
+
+TEST_CASE("a gap line that has no room as far as ground goes on to it narrower") {
+  const geom::Regions own =
+      geom::unite(geom::Regions{rectangle(50, 50, 69.6, 52)}, {rectangle(69.6, 50.8, 80, 51.3)});
+  const geom::Regions ground{rectangle(50, 50, 60, 52), rectangle(70, 50, 80, 52)};
+  toolpath::Path line;
+  line.role = Role::gap_fill;
+  line.width_mm = 0.8;
+  line.area_mm2 = 0.15;
+  // Its last step says little about where it leads.
+  line.points = {{from_mm(55), from_mm(51)}, {from_mm(68.95), from_mm(51)}, {from_mm(69), from_mm(51.1)}};
+  for (const bool turned : {false, true}) {
+    toolpath::Path one = line;
+    if (turned) std::reverse(one.points.begin(), one.points.end());
+    std::vector<toolpath::Path> paths{one};
+    toolpath::hold_tips(paths, own, ground, {});
+    REQUIRE(paths.size() == 2);
+    const toolpath::Path& lead = paths[turned ? 0 : 1];
+    CHECK(paths[0].points.back() == paths[1].points.front());
+    CHECK(lead.width_mm == Approx(0.5).margin(0.02));
+    CHECK(lead.area_mm2 < line.area_mm2);
+    CHECK(geom::to_mm((turned ? lead.points.front() : lead.points.back()).x) == Approx(70.2).margin(0.02));
+  }
 }
 
 TEST_CASE("a loop around a hole that hangs all round begins where it hangs least") {
