@@ -47,6 +47,11 @@ class Domains {
     return within_ ? quick_intersect(out, *within_) : out;
   }
 
+  /// Of the ground of bridges: without walls the lines below may end up to a line from their outline.
+  geom::Regions printed(const geom::Regions& ground) const {
+    return within_ ? geom::offset(ground, -from_mm(bead_.width_mm)) : ground;
+  }
+
   /// Without walls: none of the fill's lines may fit what of an area is narrower than this, mm.
   double least_width_mm() const { return (0.5 - overlap_) * bead_.width_mm + 1.5 * bead_.spacing_mm(); }
 
@@ -62,8 +67,9 @@ void add_bridge(std::vector<Path>& out, const BridgeArea& bridge, const Domains&
   const double flow = settings.slice.bridge_flow;
   const double width = strand * std::sqrt(flow);
   const double into_walls = settings.slice.perimeters > 0 ? kIntoWallsWidths * bead.width_mm : 0;
+  const geom::Regions ground = domains.printed(bridge.ground);
   for (const auto& domain : domains.of(bridge.area))
-    for (auto& line : bridge_lines(domain, bridge.ground, bridge.angle_rad, strand, into_walls))
+    for (auto& line : bridge_lines(domain, ground, bridge.angle_rad, strand, into_walls))
       out.push_back(make_path(Role::bridge_infill, std::move(line), false, width, width,
                               flow * strand_area_mm2(strand)));
 }

@@ -1,3 +1,4 @@
+#include "engine/geom/area_grid.h"
 #include "engine/toolpath/bridge_lines.h"
 #include "engine/toolpath/overhangs.h"
 #include "engine/toolpath/surfaces.h"
@@ -225,4 +226,32 @@ TEST_CASE("what no support beside it holds is bridged after all") {
   CHECK(bridged_mm2(60.5) == 0);
   CHECK(bridged_mm2(61.5) == Approx(8).margin(0.1));
   CHECK(bridged_mm2(70) == Approx(24).margin(0.1));
+}
+
+TEST_CASE("without walls, bridges end on what is printed below, not in the margin the lines there leave") {
+  auto s = bare_settings();
+  s.slice.perimeters = 0;
+  s.slice.infill_density = 1;
+  for (int turn = 0; turn < 24; ++turn) {
+    // A ring over a block with a three-cornered hole.
+    geom::Ring hole;
+    for (int k = 0; k < 3; ++k) {
+      const double angle = turn * pi / 36 + 2 * k * pi / 3;
+      hole.push_back({from_mm(58 + 4 * std::cos(angle)), from_mm(57 + 4 * std::sin(angle))});
+    }
+    const geom::Regions block{rectangle(50, 50, 66, 66)};
+    const geom::Regions ring =
+        geom::subtract(geom::Regions{{geom::make_circle({from_mm(58), from_mm(58)}, from_mm(4), 12), {}}},
+                       {{geom::make_circle({from_mm(58), from_mm(58)}, from_mm(2.6), 12), {}}});
+    const auto stack = stack_of(1.4, 0.2, [&](double z) {
+      return z < 1 ? geom::subtract(block, geom::Regions{{hole, {}}}) : ring;
+    });
+    const auto plan = toolpath::build(stack, s);
+    const auto below = covered(plan.layers[4], [](const toolpath::Path&) { return true; });
+    const geom::AreaGrid ground(geom::offset(below, from_mm(0.12)));
+    CAPTURE(turn);
+    for (const auto& path : plan.layers[5].paths)
+      if (path.role == Role::bridge_infill && !path.closed)
+        for (const auto& end : {path.points.front(), path.points.back()}) CHECK(ground.contains(end));
+  }
 }
