@@ -2,6 +2,7 @@
 
 #include "engine/geom/area_grid.h"
 #include "engine/geom/polygon_ops.h"
+#include "engine/toolpath/firm.h"
 #include "engine/toolpath/gap_lines.h"
 #include "engine/toolpath/region_ops.h"
 
@@ -22,10 +23,6 @@ constexpr double kMinStretchMm = 0.5;
 constexpr double kMinHangingMm = 0.3;
 /// A bead this much of which hangs is no longer carried, but hangs between its ends.
 constexpr double kHanging = 0.75;
-/// Of the layer below, what is thinner than this carries no line: little or nothing of it was printed, mm.
-constexpr double kFirmMm = 0.25;
-/// What is taken away takes so much along, mm: else rounding leaves slivers along its border.
-constexpr double kRoundingMm = 0.002;
 /// Gap lines are looked at so often, mm.
 constexpr double kLookMm = 0.25;
 /// What is bare below is looked at from this size on, mm: over less a line hangs no further than over a step.
@@ -172,17 +169,6 @@ bool begin_held(std::vector<Stretch>& loop, const std::vector<Band>& bands) {
   loop.front() = std::move(begin);
   loop.push_back(std::move(end));
   return true;
-}
-
-/// The layer below without what is too thin in this box to carry a line, or bare.
-geom::Regions firm_part(const geom::Regions& below, const geom::Regions& bare, const geom::Box& box) {
-  const geom::Coord width = from_mm(kFirmMm);
-  // Cut off at a distance, so that the cut itself leaves nothing thin.
-  const geom::Box around = grown(box, 2 * width);
-  const geom::Regions near = quick_intersect(below, {{geom::make_rectangle(around.min, around.max), {}}});
-  geom::Regions thin = quick_subtract(near, geom::open(near, width / 2));
-  if (!thin.empty()) thin = quick_intersect(thin, {{geom::make_rectangle(box.min, box.max), {}}});
-  return quick_subtract(below, geom::offset(quick_unite(thin, near_box(bare, box)), from_mm(kRoundingMm)));
 }
 
 /// How much of the straight line lies inside, nm.

@@ -22,8 +22,21 @@ namespace {
 constexpr double kBeyondOverhangMm = 0.75;
 /// What reaches out no further than this from the layer below is carried along by it, mm.
 constexpr double kCarriedAlongMm = 0.9;
+/// Areas smaller than this that begin in the air are no ground for what is above them, mm².
+constexpr double kSmallIslandMm2 = 2.0;
 /// Less than this so far out is noise of offsets, mm².
 constexpr double kMinFarMm2 = 0.02;
+
+/// Layer i without the small areas that begin in it: those carry nothing along, but hang themselves.
+Regions carrying(const slice::LayerStack& stack, std::size_t i) {
+  Regions out = stack[i].regions;
+  if (i > 0)
+    std::erase_if(out, [&](const geom::Region& r) {
+      return geom::area(r) < kSmallIslandMm2 * geom::kNmPerMm * geom::kNmPerMm &&
+             quick_intersect({r}, stack[i - 1].regions).empty();
+    });
+  return out;
+}
 
 /// Of the layers that a contact in layer c holds: what reaches far out beyond the layer below.
 Regions far_out(const slice::LayerStack& stack, std::size_t c, const SliceSettings& s) {
@@ -32,8 +45,8 @@ Regions far_out(const slice::LayerStack& stack, std::size_t c, const SliceSettin
     const std::size_t bearer = layer_below_gap(stack, k, s.support_z_gap_mm);
     if (bearer == stack.size() || bearer < c) continue;
     if (bearer > c) break;
-    out = quick_unite(
-        out, quick_subtract(stack[k].regions, geom::offset(stack[k - 1].regions, from_mm(kCarriedAlongMm))));
+    out = quick_unite(out, quick_subtract(stack[k].regions,
+                                          geom::offset(carrying(stack, k - 1), from_mm(kCarriedAlongMm))));
   }
   return geom::remove_small(out, kMinFarMm2 * geom::kNmPerMm * geom::kNmPerMm);
 }

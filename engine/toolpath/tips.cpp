@@ -4,6 +4,7 @@
 #include "engine/geom/polygon_ops.h"
 #include "engine/toolpath/border.h"
 #include "engine/toolpath/fill_paths.h"
+#include "engine/toolpath/firm.h"
 #include "engine/toolpath/perimeters.h"
 #include "engine/toolpath/region_ops.h"
 
@@ -11,6 +12,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 namespace voidpath::toolpath {
@@ -27,6 +29,9 @@ constexpr double kOutsideMm = 0.05;
 constexpr double kOnwards = 0.3;
 /// Where there is no room for that bead, one at least so wide, mm, goes on from it.
 constexpr double kLeastLeadMm = 0.2;
+/// Ground no further than this, mm, may lie to the side, or back by as much as this cosine tells.
+constexpr double kAsideMm = 0.2;
+constexpr double kAside = -0.5;
 /// Ground straight on is looked for this far and this often, mm: further on lie beads of the layer itself.
 constexpr double kMaxStraightMm = 0.3;
 constexpr double kStepMm = 0.05;
@@ -38,23 +43,32 @@ constexpr double kLeastHangMm = 0.1;
 /// Gap lines of a layer, chained where one goes on from another's end.
 class Chains {
  public:
-  Chains(std::vector<Path>& paths, const geom::Regions& own, const geom::Regions& ground)
-      : paths_(paths), own_(own), own_border_(own), ground_(ground), ground_border_(ground) {
+  /// `firm`: ground that was surely printed. Ends look for that if their chain is held further on; otherwise
+  /// the way there would only hang longer.
+  Chains(std::vector<Path>& paths, const geom::Regions& own, const geom::Regions& ground,
+         const geom::Regions& firm)
+      : paths_(paths), own_(own), own_border_(own), any_(ground) {
+    if (firm != ground) firm_.emplace(firm);
     for (std::size_t i = 0; i < paths.size(); ++i)
       if (is_line(paths[i]))
-        for (const bool back : {false, true}) ++at_[key(end(i, back))];
+        for (const bool back : {false, true}) at_[key(end(i, back))].push_back(i);
   }
 
   /// Ends that stop in the air just before ground go on to it.
   void lead() {
     for (std::size_t i = 0; i < paths_.size(); ++i)
       for (const bool back : {false, true})
-        if (is_line(paths_[i]) && at_[key(end(i, back))] == 1) lead(i, back);
+        if (is_line(paths_[i]) && at_[key(end(i, back))].size() == 1) lead(i, back);
     for (auto more = narrower_.rbegin(); more != narrower_.rend(); ++more)
       paths_.insert(paths_.begin() + static_cast<std::ptrdiff_t>(more->first), std::move(more->second));
   }
 
  private:
+  struct Ground {
+    explicit Ground(const geom::Regions& regions) : area(regions), border(regions) {}
+    geom::AreaGrid area;
+    Border border;
+  };
   struct Way {
     double x, y;  ///< nm
   };
@@ -79,21 +93,22 @@ class Chains {
   void lead(std::size_t i, bool back) {
     geom::Polyline& line = paths_[i].points;
     const geom::Point from = end(i, back);
-    if (ground_.contains(from)) return;
+    const Ground& ground = firm_ && is_held_elsewhere(i, back) ? *firm_ : any_;
+    if (ground.area.contains(from)) return;
     const geom::Point before = back ? line[line.size() - 2] : line[1];
-    std::optional<geom::Point> onto = by_nearest_way(from, before, paths_[i].width_mm);
-    if (!onto) onto = straight_on(from, before, paths_[i].width_mm);
-    if (!onto) return lead_narrower(i, back);
+    std::optional<geom::Point> onto = by_nearest_way(ground, from, before, paths_[i].width_mm);
+    if (!onto) onto = straight_on(ground, from, before, paths_[i].width_mm);
+    if (!onto) return lead_narrower(ground, i, back);
     line.insert(back ? line.end() : line.begin(), *onto);
-    --at_[key(from)];
-    ++at_[key(*onto)];
+    at_.erase(key(from));
+    at_[key(*onto)].push_back(i);
   }
 
   /// By a bead of its own, as wide as there is room for.
-  void lead_narrower(std::size_t i, bool back) {
+  void lead_narrower(const Ground& ground, std::size_t i, bool back) {
     const Path& path = paths_[i];
     const geom::Point from = end(i, back);
-    const std::optional<geom::Point> onto = by_nearest_way(from, before_end(i, back), kLeastLeadMm);
+    const std::optional<geom::Point> onto = by_nearest_way(ground, from, before_end(i, back), kLeastLeadMm);
     if (!onto) return;
     const double half = 0.5 * path.width_mm;
     const BeadSize bead{std::min(path.width_mm, 2 * (own_border_.distance_mm(*onto, half) + kOutsideMm)),
@@ -103,24 +118,38 @@ class Chains {
     Path lead = make_path(path.role, std::move(line), false, bead.width_mm, bead.height_mm, bead.area_mm2());
     lead.max_speed_mm_s = path.max_speed_mm_s;
     narrower_.emplace_back(back ? i + 1 : i, std::move(lead));
-    --at_[key(from)];
-    ++at_[key(*onto)];
+    led_.insert(key(from));
   }
 
-  std::optional<geom::Point> by_nearest_way(const geom::Point& from, const geom::Point& before,
-                                            double width_mm) const {
-    const geom::Point to = ground_border_.nearest(from, kMaxLeadMm);
+  /// Whether the chain that ends here comes to ground further on, or to where several meet.
+  bool is_held_elsewhere(std::size_t i, bool back) const {
+    for (std::size_t steps = 0; steps < paths_.size(); ++steps) {
+      back = !back;
+      const geom::Point& p = end(i, back);
+      const std::vector<std::size_t>& here = at_.at(key(p));
+      if (firm_->area.contains(p) || led_.count(key(p)) > 0 || here.size() > 2) return true;
+      if (here.size() < 2 || here[0] == here[1]) return false;
+      i = here[0] == i ? here[1] : here[0];
+      back = key(end(i, true)) == key(p);
+    }
+    return false;
+  }
+
+  std::optional<geom::Point> by_nearest_way(const Ground& ground, const geom::Point& from,
+                                            const geom::Point& before, double width_mm) const {
+    const geom::Point to = ground.border.nearest(from, kMaxLeadMm);
     const double way = geom::distance(from, to);
     if (way <= 0) return std::nullopt;
     const auto dx = static_cast<double>(to.x - from.x), dy = static_cast<double>(to.y - from.y);
     const auto ux = static_cast<double>(from.x - before.x), uy = static_cast<double>(from.y - before.y);
-    if (dx * ux + dy * uy < kOnwards * way * std::hypot(ux, uy)) return std::nullopt;
+    const double least = way <= kAsideMm * geom::kNmPerMm ? kAside : kOnwards;
+    if (dx * ux + dy * uy < least * way * std::hypot(ux, uy)) return std::nullopt;
     return onto(from, {dx, dy}, way, width_mm);
   }
 
   /// Past a corner of the outline that stands in the nearest way.
-  std::optional<geom::Point> straight_on(const geom::Point& from, const geom::Point& before,
-                                         double width_mm) const {
+  std::optional<geom::Point> straight_on(const Ground& ground, const geom::Point& from,
+                                         const geom::Point& before, double width_mm) const {
     const double length = geom::distance(before, from);
     if (length <= 0) return std::nullopt;
     const Way u{static_cast<double>(from.x - before.x) / length,
@@ -128,7 +157,7 @@ class Chains {
     for (double d = kStepMm; d <= kMaxStraightMm; d += kStepMm) {
       const double by = d * geom::kNmPerMm;
       const geom::Point at{from.x + std::llround(by * u.x), from.y + std::llround(by * u.y)};
-      if (ground_.contains(at) || ground_border_.distance_mm(at, kAlongMm) < kAlongMm)
+      if (ground.area.contains(at) || ground.border.distance_mm(at, kAlongMm) < kAlongMm)
         return onto(from, {by * u.x, by * u.y}, by, width_mm);
     }
     return std::nullopt;
@@ -149,9 +178,10 @@ class Chains {
   std::vector<std::pair<std::size_t, Path>> narrower_;  ///< to be inserted before the path of that number
   geom::AreaGrid own_;
   Border own_border_;
-  geom::AreaGrid ground_;
-  Border ground_border_;
-  std::map<std::pair<geom::Coord, geom::Coord>, int> at_;  ///< how many ends lie there
+  Ground any_;
+  std::optional<Ground> firm_;                                                  ///< where that is less
+  std::map<std::pair<geom::Coord, geom::Coord>, std::vector<std::size_t>> at_;  ///< whose ends lie there
+  std::set<std::pair<geom::Coord, geom::Coord>> led_;  ///< ends that go on by a bead of their own
 };
 
 }  // namespace
@@ -161,8 +191,11 @@ void hold_tips(std::vector<Path>& paths, const geom::Regions& own, const geom::R
   const bool any = std::any_of(paths.begin(), paths.end(),
                                [](const Path& p) { return p.role == Role::gap_fill && !p.closed; });
   if (!any || own == below) return;
-  if (quick_subtract(own, geom::offset(below, geom::from_mm(kLeastHangMm))).empty()) return;
-  Chains(paths, own, quick_unite(below, support)).lead();
+  const auto hanging = geom::bounds(quick_subtract(own, geom::offset(below, geom::from_mm(kLeastHangMm))));
+  if (!hanging) return;
+  const geom::Regions firm = firm_part(below, {}, grown(*hanging, geom::from_mm(kMaxLeadMm)));
+  const geom::Regions ground = quick_unite(below, support);
+  Chains(paths, own, ground, firm == below ? ground : quick_unite(firm, support)).lead();
 }
 
 }  // namespace voidpath::toolpath

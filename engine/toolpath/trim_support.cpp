@@ -30,7 +30,7 @@ using geom::Polyline;
 /// Lines are looked at this often, mm.
 constexpr double kSampleMm = 0.2;
 /// The tip of a line may stick out by this, mm: about its own width.
-constexpr double kTipMm = 0.4;
+constexpr double kTipMm = 0.3;
 /// Between two held places a line may hang over this share of what sparse lines are apart: it is looked at
 /// here and there.
 constexpr double kSpanShare = 0.95;

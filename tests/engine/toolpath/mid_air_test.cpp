@@ -182,3 +182,17 @@ TEST_CASE("where no column can stand branches lean out around what is in the way
   for (auto& layer : plan.layers) std::erase_if(layer.paths, is_support);
   CHECK(loose_mm(plan, s.slice) > 3.0);
 }
+
+TEST_CASE("an island that begins with a point between struts is held where it widens") {
+  toolpath::PrintSettings s;
+  s.slice.skirt_loops = 0;
+  auto stack = thicket_stack();
+  for (std::size_t i = 90; i < stack.size(); ++i) {
+    const double half = i == 90 ? 0.15 : 0.7;
+    stack[i].regions = {rectangle(40, 46, 44, 58), rectangle(47.5 - half, 52 - half, 47.5 + half, 52 + half)};
+  }
+  const auto plan = toolpath::build(stack, s);
+  // The widening's underside lies at the top of layer 90; support keeps the gap of one layer.
+  CHECK(geom::to_mm2(geom::area(geom::intersect(covered(plan.layers[89], is_support),
+                                                {rectangle(46.8, 51.3, 48.2, 52.7)}))) > 1.0);
+}

@@ -281,6 +281,29 @@ TEST_CASE("a gap line that has no room as far as ground goes on to it narrower")
   }
 }
 
+TEST_CASE("gap lines go on past what is too thin below to have been printed, and aside to ground close by") {
+  const geom::Regions own{rectangle(50, 50, 80, 52)};
+  const auto end_of = [&](double x, const geom::Regions& below) {
+    toolpath::Path line;
+    line.role = Role::gap_fill;
+    line.width_mm = 0.2;
+    line.points = {{from_mm(55), from_mm(51)}, {from_mm(x), from_mm(51)}};
+    std::vector<toolpath::Path> paths{line};
+    toolpath::hold_tips(paths, own, below, {});
+    const geom::Point& end = paths[0].points.back();
+    return std::pair(geom::to_mm(end.x), geom::to_mm(end.y));
+  };
+  const auto with = [](const geom::Region& more) {
+    return geom::unite(geom::Regions{rectangle(50, 50, 60, 52)}, {more});
+  };
+  const geom::Regions spiked = geom::unite(with(rectangle(70, 50, 80, 52)), {rectangle(69, 50.9, 70, 51.1)});
+  CHECK(end_of(69.4, spiked).first == Approx(70 + 0.2).margin(0.01));
+  const auto aside = end_of(69.5, with(rectangle(69, 50, 80, 50.85)));
+  CHECK(aside.first == Approx(69.5));
+  CHECK(aside.second == Approx(50.85 - 0.2));
+  CHECK(end_of(69.5, with(rectangle(69, 50, 80, 50.7))).second == Approx(51));  // further off
+}
+
 TEST_CASE("a loop around a hole that hangs all round begins where it hangs least") {
   const toolpath::SpeedSettings speed = bare_settings().speed;
   // The hole below is round and larger, the loop a polygon: its corners come nearest to what is below.
