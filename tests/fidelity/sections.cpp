@@ -134,7 +134,8 @@ Mask Sections::asked_for(Mask cut, std::size_t i, bool least) const {
   if (rules_.foot <= 0 || l.top - l.height > rules_.ground + kCutError) return cut;
   Mask small = resized(cut, grid_, -rules_.foot);
   if (least) return small;
-  const double thin = rules_.foot + 0.5 * rules_.line_width;
+  // Borders lie half way between pixels' middles, and are known to half a pixel.
+  const double thin = rules_.foot + 0.5 * rules_.line_width + grid_.size;
   const Mask wide = grown(shrunk(cut, grid_, thin), grid_, thin + grid_.size);
   const Mask narrow = without(cut, wide);
   if (count(narrow) == 0) return small;

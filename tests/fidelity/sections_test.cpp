@@ -1,5 +1,7 @@
 #include "tests/fidelity/sections.h"
 
+#include "tests/support/meshes.h"
+
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -7,6 +9,7 @@
 
 #include <catch2/catch.hpp>
 
+using namespace voidpath;
 using namespace voidpath::fidelity;
 
 namespace {
@@ -71,4 +74,25 @@ TEST_CASE("islands are compensated each for itself, wherever they lie") {
     CHECK((compensated(all, grid, outer, hole) == alone));
     CHECK(count(alone) != count(all));
   }
+}
+
+TEST_CASE(
+    "on the first layer thin walls may keep their width, however coarse the pixels and wherever they lie") {
+  Print print;
+  print.layers.resize(1);
+  print.layers.front().top = print.layers.front().height = 0.2;
+  Rules rules;
+  rules.foot = 0.2;
+  const double thin = 2 * rules.foot + rules.line_width;
+  for (const double size : {0.05, 0.08, 0.12})
+    for (const double shift : {0.0, 0.2, 0.4, 0.6, 0.8}) {
+      const Grid grid{0, 0, size, static_cast<int>(4 / size), static_cast<int>(12 / size)};
+      const auto most = [&](double width) {
+        const auto wall = test::moved(test::box(width, 10, 1), 1 + shift * size, 1, 0);
+        return area(Sections(wall, print, rules, grid).of(0).most, grid);
+      };
+      CAPTURE(size, shift);
+      CHECK(most(thin - 0.02) > 10 * (thin - 0.02 - 1.01 * size));
+      CHECK(most(thin + 3 * size) < 10 * (thin + 3 * size - 1.5 * rules.foot));
+    }
 }
