@@ -209,8 +209,12 @@ LayerDraft draft_layer(const slice::Layer& layer, std::size_t index, LayerWalls&
   if (s.perimeters <= 0)
     for (const auto& bridge : surfaces.bridges) append(skins, geom::Regions(bridge.area));
   if (!skins.empty())
-    for (const auto& strip : left_bare(skins, out.islands, bead))
-      add_gap_lines(out.islands[sharer.owner(strip)].fills, {strip}, bead, s.resolution_mm);
+    for (auto& strip : left_bare(skins, out.islands, bead)) {
+      const std::size_t owner = sharer.owner(strip);
+      add_gap_lines(out.islands[owner].fills, {strip}, bead, s.resolution_mm);
+      // It stays bare where its lines hang.
+      walls.islands[owner].gaps.push_back(std::move(strip));
+    }
   out.support = support_lines(support, index, bead, s);
   return out;
 }

@@ -39,8 +39,9 @@ LayerWalls draft_walls(const slice::Layer& layer, std::size_t index, const Slice
 /// All inner areas of the layer together.
 geom::Regions inner_of(const LayerWalls& walls);
 
-/// Lines for every area of the layer, handed to the islands they belong to, which take the walls over and
-/// leave the rest of `walls` as it is. `lightning`: its sparse infill where that is the pattern.
+/// Lines for every area of the layer, handed to the islands they belong to, which take the walls over; what
+/// fill alone leaves bare where there are none is added to the gaps, the rest of `walls` stays as it is.
+/// `lightning`: its sparse infill where that is the pattern.
 LayerDraft draft_layer(const slice::Layer& layer, std::size_t index, LayerWalls& walls,
                        const Surfaces& surfaces, const FillDirections& directions,
                        const geom::Polylines& lightning, const SupportAreas& support,

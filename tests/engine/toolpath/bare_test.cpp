@@ -88,3 +88,32 @@ TEST_CASE("the tip of an acute corner is bare as far as a round bead stays away 
     CHECK(geom::to_mm(box->max.x) - 50 < reach + (half_deg < 20 ? 0.6 : 0.02));
   }
 }
+
+TEST_CASE("without walls, what only lines in the margin of fill cover is bare when they are left out") {
+  toolpath::PrintSettings s = bare_settings();
+  s.slice.perimeters = 0;
+  double margins_mm = 0;
+  // Lines that run nearly along the border step away from it.
+  for (double slant = 0.2; slant < 1; slant += 0.1) {
+    slice::Layer layer;
+    layer.span = {1.0, 1.2};
+    layer.regions = {{{{from_mm(50), from_mm(50)},
+                       {from_mm(60), from_mm(50)},
+                       {from_mm(60), from_mm(53 + slant)},
+                       {from_mm(50), from_mm(53)}},
+                      {}}};
+    auto walls = toolpath::draft_walls(layer, 5, s.slice);
+    toolpath::Surfaces surfaces;
+    surfaces.solid = toolpath::inner_of(walls);
+    const auto draft = toolpath::draft_layer(layer, 5, walls, surfaces, {}, {}, {}, s);
+    geom::Polylines margins;
+    for (const auto& path : draft.islands.at(0).fills)
+      if (path.role == toolpath::Role::gap_fill) margins.push_back(path.points);
+    CAPTURE(slant);
+    const auto bare = toolpath::bare_parts(walls, {}, layer.regions);
+    for (const auto& line : margins) margins_mm += geom::length(line) / geom::kNmPerMm;
+    CHECK(geom::clip_outside(margins, geom::offset(bare, from_mm(0.01))).empty());
+    CHECK(area_mm2(toolpath::bare_parts(walls, draft.islands.at(0).fills, layer.regions)) < 0.2);
+  }
+  CHECK(margins_mm > 15);
+}
