@@ -22,8 +22,8 @@ namespace {
 constexpr double kBeyondOverhangMm = 0.75;
 /// What reaches out no further than this from the layer below is carried along by it, mm.
 constexpr double kCarriedAlongMm = 0.9;
-/// Areas smaller than this that begin in the air are no ground for what is above them, mm².
-constexpr double kSmallIslandMm2 = 2.0;
+/// Areas smaller than this that begin in the air are no ground for what is above them, mm²: points of struts.
+constexpr double kSmallIslandMm2 = 0.1;
 /// Less than this so far out is noise of offsets, mm².
 constexpr double kMinFarMm2 = 0.02;
 
