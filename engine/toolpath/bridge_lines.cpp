@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -36,18 +37,21 @@ Point between(const Point& a, const Point& b, double t) {
 
 class Leader {
  public:
-  Leader(const geom::Region& domain, const geom::Regions& ground, double beyond_mm, geom::Polylines& lines)
-      : domain_({domain}),
-        border_({domain}),
+  Leader(const geom::Region& domain, const geom::Regions& ground, const BridgeReach& reach,
+         geom::Polylines& lines)
+      : area_{domain},
+        domain_(area_),
+        border_(area_),
+        ground_area_(ground),
         ground_(ground),
-        reachable_(quick_intersect(ground, geom::offset({domain}, geom::from_mm(beyond_mm)))),
-        beyond_mm_(beyond_mm + kBorderSlackMm),
+        reachable_(within(reach.beyond_mm)),
+        reach_(reach),
         lines_(lines) {}
 
   void run() {
     for (Polyline& line : lines_)
       for (int end = 0; end < 2; ++end) {
-        lead_to_ground(line);
+        if (!held(line.front())) lead_to_ground(line);
         std::reverse(line.begin(), line.end());
       }
     for (std::size_t i = 0; i < lines_.size(); ++i)
@@ -61,25 +65,36 @@ class Leader {
  private:
   bool held(const Point& p) const { return ground_.contains(p); }
 
-  bool inside(const Point& a, const Point& b) const {
+  geom::Regions within(double beyond_mm) const {
+    return quick_intersect(ground_area_, geom::offset(area_, geom::from_mm(beyond_mm)));
+  }
+
+  bool inside(const Point& a, const Point& b, double beyond_mm) const {
     for (int k = 1; k < kLeadLooks; ++k)
-      if (!near_domain(between(a, b, static_cast<double>(k) / kLeadLooks))) return false;
+      if (!near_domain(between(a, b, static_cast<double>(k) / kLeadLooks), beyond_mm)) return false;
     return true;
   }
-  bool near_domain(const Point& p) const {
-    return domain_.contains(p) || border_.distance_mm(p, beyond_mm_) <= beyond_mm_;
+  bool near_domain(const Point& p, double beyond_mm) const {
+    const double limit = beyond_mm + kBorderSlackMm;
+    return domain_.contains(p) || border_.distance_mm(p, limit) <= limit;
   }
 
   /// From the line's first point.
-  void lead_to_ground(Polyline& line) const {
+  void lead_to_ground(Polyline& line) {
+    if (lead_to(reachable_, reach_.beyond_mm, line) || reach_.at_most_mm <= reach_.beyond_mm) return;
+    if (!at_most_) at_most_.emplace(within(reach_.at_most_mm));
+    lead_to(*at_most_, reach_.at_most_mm, line);
+  }
+
+  bool lead_to(const Border& ground, double beyond_mm, Polyline& line) const {
     const Point from = line.front();
-    if (held(from)) return;
-    const Point border = reachable_.nearest(from, kMaxLeadMm);
+    const Point border = ground.nearest(from, kMaxLeadMm);
     const double way = geom::distance(from, border);
-    if (way <= 0 || way > kMaxLeadMm * geom::kNmPerMm) return;
-    if (!inside(from, border)) return;
+    if (way <= 0 || way > kMaxLeadMm * geom::kNmPerMm) return false;
+    if (!inside(from, border, beyond_mm)) return false;
     const Point onto = between(from, border, 1 + kOntoGroundMm * geom::kNmPerMm / way);
-    line.insert(line.begin(), near_domain(onto) ? onto : border);
+    line.insert(line.begin(), near_domain(onto, beyond_mm) ? onto : border);
+    return true;
   }
 
   /// Goes on from the last point of line i with the line whose end is nearest, one that ends in the air as
@@ -96,7 +111,8 @@ class Leader {
         const double d = geom::distance(from, to);
         if (d > kMaxLeadMm * geom::kNmPerMm) continue;
         const bool to_held = held(to);
-        if (to_held > best_held || (to_held == best_held && d >= best) || !inside(from, to)) continue;
+        if (to_held > best_held || (to_held == best_held && d >= best) || !inside(from, to, reach_.beyond_mm))
+          continue;
         best = d, best_held = to_held, with = k, at_back = end == 1;
       }
     }
@@ -108,20 +124,23 @@ class Leader {
     return true;
   }
 
+  geom::Regions area_;
   geom::AreaGrid domain_;
   Border border_;
+  const geom::Regions& ground_area_;
   geom::AreaGrid ground_;
-  Border reachable_;  ///< of the ground as far as strands may go
-  double beyond_mm_;
+  Border reachable_;               ///< of the ground as far as strands may go
+  std::optional<Border> at_most_;  ///< as far as they must where there is none; made when first wanted
+  BridgeReach reach_;
   geom::Polylines& lines_;
 };
 
 }  // namespace
 
 geom::Polylines bridge_lines(const geom::Region& domain, const geom::Regions& ground, double angle_rad,
-                             double apart_mm, double beyond_mm) {
+                             double apart_mm, const BridgeReach& reach) {
   Hatch h = hatch({domain}, {angle_rad, apart_mm, true, kLinkSpacings * apart_mm});
-  Leader(domain, ground, beyond_mm, h.lines).run();
+  Leader(domain, ground, reach, h.lines).run();
   return std::move(h.lines);
 }
 

@@ -66,10 +66,15 @@ void add_bridge(std::vector<Path>& out, const BridgeArea& bridge, const Domains&
   const double strand = settings.machine.nozzle_mm;
   const double flow = settings.slice.bridge_flow;
   const double width = strand * std::sqrt(flow);
-  const double into_walls = settings.slice.perimeters > 0 ? kIntoWallsWidths * bead.width_mm : 0;
+  BridgeReach reach;
+  if (const int walls = settings.slice.perimeters; walls > 0) {
+    reach.beyond_mm = kIntoWallsWidths * bead.width_mm;
+    // The outer wall's middle: a strand there is still inside.
+    reach.at_most_mm = 0.5 * bead.width_mm + (walls - 1) * bead.spacing_mm();
+  }
   const geom::Regions ground = domains.printed(bridge.ground);
   for (const auto& domain : domains.of(bridge.area))
-    for (auto& line : bridge_lines(domain, ground, bridge.angle_rad, strand, into_walls))
+    for (auto& line : bridge_lines(domain, ground, bridge.angle_rad, strand, reach))
       out.push_back(make_path(Role::bridge_infill, std::move(line), false, width, width,
                               flow * strand_area_mm2(strand)));
 }

@@ -59,7 +59,7 @@ TEST_CASE("a bridge's strands end on ground, or go on, wherever ground can be re
                         Case{leaning, {rectangle(48, 48, 66, 50.5), rectangle(48, 57.5, 66, 60)}}})
     for (int k = 0; k < 12; ++k) {
       CAPTURE(k);
-      const geom::Polylines lines = toolpath::bridge_lines(c.domain, c.ground, pi * k / 12, 0.4, 0.2);
+      const geom::Polylines lines = toolpath::bridge_lines(c.domain, c.ground, pi * k / 12, 0.4, {0.2, 0.2});
       REQUIRE(!lines.empty());
       const geom::Regions allowed = geom::offset({c.domain}, from_mm(0.21));
       for (const auto& line : lines) {
@@ -74,11 +74,49 @@ TEST_CASE("a bridge's strands end on ground, or go on, wherever ground can be re
   CHECK(in_air == 0);
 }
 
+TEST_CASE("strands go further into the walls only where ground is no nearer") {
+  const geom::Region domain = polygon({{50, 50}, {60, 50}, {60, 56}, {50, 56}});
+  const auto reach_mm = [&](double ground_x) {
+    const geom::Regions ground{rectangle(45, 45, ground_x, 60), rectangle(59, 45, 65, 60)};
+    double left = 1e9;
+    for (const auto& line : toolpath::bridge_lines(domain, ground, 0, 0.4, {0.4, 0.7}))
+      for (const Point& p : line) left = std::min(left, geom::to_mm(p.x));
+    return 50 - left;
+  };
+  CHECK(reach_mm(50.1) <= 0.401);
+  CHECK(reach_mm(49.7) <= 0.401);
+  CHECK(reach_mm(49.7) >= 0.299);
+  CHECK(reach_mm(49.4) >= 0.599);
+  CHECK(reach_mm(49.4) <= 0.701);
+  CHECK(reach_mm(49.2) <= 0.001);  // out of reach: nothing goes into the walls in vain
+}
+
+TEST_CASE("the strands of a roof that stands back on thin walls end on them") {
+  const auto stack = stack_of(4, 0.2, [](double z) {
+    if (z > 3) return geom::Regions{rectangle(50.1, 50.1, 59.9, 64.9)};
+    geom::Region r = rectangle(50, 50, 60, 65);
+    geom::Ring hollow = rectangle(50.45, 50.45, 59.55, 64.55).outer;
+    geom::reverse(hollow);
+    r.holes.push_back(hollow);
+    return geom::Regions{r};
+  });
+  const auto plan = toolpath::build(stack, bare_settings());
+  const geom::Regions held = geom::offset(stack[14].regions, from_mm(0.2));
+  std::size_t strands = 0, in_air = 0;
+  for (const auto& path : plan.layers[15].paths) {
+    if (path.role != Role::bridge_infill) continue;
+    ++strands;
+    in_air += (in(held, path.points.front()) ? 0u : 1u) + (in(held, path.points.back()) ? 0u : 1u);
+  }
+  CHECK(strands > 0);
+  CHECK(in_air == 0);
+}
+
 TEST_CASE("strands with no ground near are joined to others, not lost") {
   // Ground under one corner only: the far ends cannot reach it.
   const geom::Region domain = polygon({{50, 50}, {70, 50}, {70, 60}, {50, 60}});
   const geom::Regions ground{rectangle(48, 48, 51, 62)};
-  const geom::Polylines lines = toolpath::bridge_lines(domain, ground, 0, 0.4, 0);
+  const geom::Polylines lines = toolpath::bridge_lines(domain, ground, 0, 0.4, {});
   std::size_t in_air = 0;
   double length = 0;
   for (const auto& line : lines) {
