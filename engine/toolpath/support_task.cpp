@@ -61,12 +61,28 @@ class Finder {
     if (far.empty()) return far;
     // What leans too far, back to where it leaves the layer below.
     Regions out = quick_subtract(quick_intersect(geom::offset(far, lean), own), below);
+    const Regions leaning = out;
     for (const BridgeArea& bridge : surfaces_[i].bridges) {
       if (!bridge.anchored || bridge.span_mm > kMaxBridgeMm) continue;
+      if (is_thin(bridge.hanging, 0.5 * settings_.line_width_mm) && !all_bridged(leaning, bridge, below))
+        continue;
       const double walls = settings_.line_width_mm * (settings_.perimeters + 1);
       out = quick_subtract(out, geom::offset({bridge.hanging}, from_mm(walls)));
     }
     return without_thin_bridges(out, below);
+  }
+
+  static bool is_thin(const geom::Region& region, double half_mm) {
+    return geom::offset({region}, -from_mm(half_mm)).empty();
+  }
+
+  /// Whether all that leans out around a bridge finds hold at both ends: a strip between walls that lead
+  /// around a hole in the air says nothing about those.
+  bool all_bridged(const Regions& leaning, const BridgeArea& bridge, const Regions& below) const {
+    return std::all_of(leaning.begin(), leaning.end(), [&](const geom::Region& region) {
+      return quick_intersect({region}, {bridge.hanging}).empty() ||
+             plan_bridge(region, below, 0.5 * settings_.line_width_mm).anchored;
+    });
   }
 
   /// What is too thin to have an inside is bridged by its walls, if they find hold at both ends.
@@ -74,8 +90,7 @@ class Finder {
     Regions out;
     const double walls = settings_.line_width_mm * std::max(settings_.perimeters, 1);
     for (const auto& region : overhang) {
-      const bool thin = geom::offset({region}, -from_mm(walls)).empty();
-      if (thin && geom::area(region) >= kMinThinBridgeMm2 * kMm2) {
+      if (is_thin(region, walls) && geom::area(region) >= kMinThinBridgeMm2 * kMm2) {
         const BridgeArea bridge = plan_bridge(region, below, 0.5 * settings_.line_width_mm);
         if (bridge.anchored && bridge.span_mm <= kMaxBridgeMm && bridge.span_mm > 2 * walls) continue;
       }

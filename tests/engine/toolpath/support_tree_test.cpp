@@ -240,6 +240,22 @@ TEST_CASE("nothing is supported that bridges, thin or wide") {
   }
 }
 
+TEST_CASE("walls around a hole in the air are supported, though strips beside them bridge") {
+  // A screw's hole at the bottom of the wider one for its head, printed head down.
+  for (const auto& [head, hole] : {std::pair{6.2, 3.4}, std::pair{5.0, 2.9}, std::pair{4.0, 2.4}}) {
+    CAPTURE(head);
+    const auto stack = stack_of(6, 0.2, [head = head, hole = hole](double z) {
+      geom::Region r = rectangle(50, 50, 66, 66);
+      geom::Ring ring =
+          geom::make_circle({from_mm(58), from_mm(58)}, from_mm((z < 2.8 ? head : hole) / 2), 48);
+      geom::reverse(ring);
+      r.holes.push_back(ring);
+      return geom::Regions{r};
+    });
+    CHECK(support_mm3(toolpath::build(stack, settings(SupportStyle::grid))) > 0);
+  }
+}
+
 TEST_CASE("trees are the same from one thread and from many") {
   const auto s = settings(SupportStyle::tree);
   for (const auto& stack : {mushroom_stack(22, 10, 1, 6), spool_stack(24, 20, 12)}) {
