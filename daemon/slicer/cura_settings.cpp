@@ -3,8 +3,8 @@
 #include "config/config.h"
 #include "config/fields.h"
 #include "engine/toolpath/bead.h"
-#include "engine/toolpath/placeholders.h"
-#include "engine/toolpath/supports.h"
+#include "engine/toolpath/emit/placeholders.h"
+#include "engine/toolpath/support/supports.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include "daemon/slicer/cura_settings.h"
 #include "daemon/slicer/program.h"
 #include "engine/mesh/write.h"
-#include "engine/toolpath/placeholders.h"
+#include "engine/toolpath/emit/placeholders.h"
 
 #include <algorithm>
 #include <cerrno>

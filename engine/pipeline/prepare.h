@@ -5,7 +5,7 @@
 #include "engine/motion/limits.h"
 #include "engine/orient/search.h"
 #include "engine/run/context.h"
-#include "engine/toolpath/emit.h"
+#include "engine/toolpath/emit/emit.h"
 #include "engine/toolpath/settings.h"
 
 #include <array>

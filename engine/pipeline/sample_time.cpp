@@ -1,7 +1,7 @@
 #include "engine/pipeline/sample_time.h"
 
 #include "engine/pipeline/sample_layers.h"
-#include "engine/toolpath/supports.h"
+#include "engine/toolpath/support/supports.h"
 
 #include <algorithm>
 #include <sstream>

@@ -9,8 +9,8 @@
 #include "engine/slice/adaptive_layers.h"
 #include "engine/slice/layer_heights.h"
 #include "engine/slice/slice_mesh.h"
+#include "engine/toolpath/adhesion/raft.h"
 #include "engine/toolpath/build.h"
-#include "engine/toolpath/raft.h"
 
 #include <algorithm>
 #include <cerrno>

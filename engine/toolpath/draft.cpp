@@ -3,13 +3,13 @@
 #include "engine/geom/polygon_ops.h"
 #include "engine/toolpath/bead.h"
 #include "engine/toolpath/bead_area.h"
-#include "engine/toolpath/bridge_lines.h"
-#include "engine/toolpath/concentric_fill.h"
-#include "engine/toolpath/fermat_fill.h"
+#include "engine/toolpath/fill/bridge_lines.h"
+#include "engine/toolpath/fill/concentric_fill.h"
+#include "engine/toolpath/fill/fermat_fill.h"
 #include "engine/toolpath/fill_paths.h"
-#include "engine/toolpath/gap_lines.h"
 #include "engine/toolpath/region_ops.h"
-#include "engine/toolpath/support_lines.h"
+#include "engine/toolpath/support/support_lines.h"
+#include "engine/toolpath/walls/gap_lines.h"
 
 #include <algorithm>
 #include <cmath>

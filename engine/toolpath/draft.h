@@ -2,13 +2,13 @@
 
 #include "engine/geom/polygon.h"
 #include "engine/slice/layer.h"
-#include "engine/toolpath/fill_directions.h"
-#include "engine/toolpath/infill.h"
-#include "engine/toolpath/perimeters.h"
+#include "engine/toolpath/fill/fill_directions.h"
+#include "engine/toolpath/fill/infill.h"
+#include "engine/toolpath/fill/surfaces.h"
 #include "engine/toolpath/plan.h"
 #include "engine/toolpath/settings.h"
-#include "engine/toolpath/supports.h"
-#include "engine/toolpath/surfaces.h"
+#include "engine/toolpath/support/supports.h"
+#include "engine/toolpath/walls/perimeters.h"
 
 #include <vector>
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "engine/toolpath/infill.h"
-#include "engine/toolpath/perimeters.h"
+#include "engine/toolpath/fill/infill.h"
 #include "engine/toolpath/plan.h"
+#include "engine/toolpath/walls/perimeters.h"
 
 #include <vector>
 

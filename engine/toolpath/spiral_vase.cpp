@@ -4,11 +4,11 @@
 #include "engine/run/parallel_for.h"
 #include "engine/toolpath/build.h"
 #include "engine/toolpath/fill_paths.h"
-#include "engine/toolpath/gap_lines.h"
 #include "engine/toolpath/outline.h"
-#include "engine/toolpath/perimeters.h"
 #include "engine/toolpath/region_ops.h"
-#include "engine/toolpath/sharp_corners.h"
+#include "engine/toolpath/walls/gap_lines.h"
+#include "engine/toolpath/walls/perimeters.h"
+#include "engine/toolpath/walls/sharp_corners.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 #include "tests/bench/slicer/rival.h"
 
 #include "engine/toolpath/bead.h"
-#include "engine/toolpath/placeholders.h"
-#include "engine/toolpath/supports.h"
+#include "engine/toolpath/emit/placeholders.h"
+#include "engine/toolpath/support/supports.h"
 
 #include <array>
 #include <charconv>

@@ -1,6 +1,6 @@
-#include "engine/toolpath/adhesion.h"
+#include "engine/toolpath/adhesion/adhesion.h"
 
-#include "engine/toolpath/brim.h"
+#include "engine/toolpath/adhesion/brim.h"
 #include "tests/engine/toolpath/shapes.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "engine/gcode/estimate.h"
-#include "engine/toolpath/emit.h"
-#include "engine/toolpath/fit_arcs.h"
+#include "engine/toolpath/emit/emit.h"
+#include "engine/toolpath/emit/fit_arcs.h"
 #include "tests/engine/toolpath/shapes.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
-#include "engine/toolpath/bare.h"
+#include "engine/toolpath/overhang/bare.h"
 
-#include "engine/toolpath/gap_lines.h"
+#include "engine/toolpath/walls/gap_lines.h"
 #include "tests/engine/toolpath/shapes.h"
 
 #include <algorithm>

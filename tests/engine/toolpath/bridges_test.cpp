@@ -1,8 +1,8 @@
 #include "engine/geom/area_grid.h"
-#include "engine/toolpath/bridge_lines.h"
-#include "engine/toolpath/overhangs.h"
-#include "engine/toolpath/surfaces.h"
-#include "engine/toolpath/unheld.h"
+#include "engine/toolpath/fill/bridge_lines.h"
+#include "engine/toolpath/fill/surfaces.h"
+#include "engine/toolpath/overhang/overhangs.h"
+#include "engine/toolpath/overhang/unheld.h"
 #include "tests/engine/toolpath/shapes.h"
 
 #include <algorithm>

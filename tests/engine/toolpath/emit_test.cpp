@@ -1,10 +1,10 @@
-#include "engine/toolpath/emit.h"
+#include "engine/toolpath/emit/emit.h"
 
 #include "engine/gcode/estimate.h"
-#include "engine/toolpath/gcode_text.h"
-#include "engine/toolpath/pace.h"
-#include "engine/toolpath/placeholders.h"
-#include "engine/toolpath/travel.h"
+#include "engine/toolpath/emit/gcode_text.h"
+#include "engine/toolpath/emit/pace.h"
+#include "engine/toolpath/emit/placeholders.h"
+#include "engine/toolpath/travel/travel.h"
 #include "tests/engine/toolpath/shapes.h"
 
 #include <charconv>

@@ -1,9 +1,9 @@
-#include "engine/toolpath/gap_fill.h"
+#include "engine/toolpath/walls/gap_fill.h"
 
 #include "engine/toolpath/bead.h"
-#include "engine/toolpath/border.h"
-#include "engine/toolpath/gap_lines.h"
-#include "engine/toolpath/triangulate.h"
+#include "engine/toolpath/walls/border.h"
+#include "engine/toolpath/walls/gap_lines.h"
+#include "engine/toolpath/walls/triangulate.h"
 #include "tests/engine/toolpath/shapes.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "engine/toolpath/hanging_fill.h"
+#include "engine/toolpath/overhang/hanging_fill.h"
 
 #include "tests/engine/toolpath/shapes.h"
 

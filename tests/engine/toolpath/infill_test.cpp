@@ -1,8 +1,8 @@
-#include "engine/toolpath/infill.h"
+#include "engine/toolpath/fill/infill.h"
 
 #include "engine/toolpath/bead.h"
-#include "engine/toolpath/fill_directions.h"
-#include "engine/toolpath/hatch.h"
+#include "engine/toolpath/fill/fill_directions.h"
+#include "engine/toolpath/fill/hatch.h"
 #include "tests/engine/toolpath/shapes.h"
 
 #include <cmath>

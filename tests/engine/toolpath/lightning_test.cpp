@@ -1,4 +1,4 @@
-#include "engine/toolpath/lightning.h"
+#include "engine/toolpath/fill/lightning.h"
 
 #include "engine/toolpath/draft.h"
 #include "tests/engine/toolpath/shapes.h"

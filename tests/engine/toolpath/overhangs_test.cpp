@@ -1,7 +1,7 @@
-#include "engine/toolpath/overhangs.h"
+#include "engine/toolpath/overhang/overhangs.h"
 
-#include "engine/toolpath/pace.h"
-#include "engine/toolpath/tips.h"
+#include "engine/toolpath/emit/pace.h"
+#include "engine/toolpath/overhang/tips.h"
 #include "tests/engine/toolpath/shapes.h"
 
 #include <algorithm>

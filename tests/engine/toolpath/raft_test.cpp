@@ -1,4 +1,4 @@
-#include "engine/toolpath/raft.h"
+#include "engine/toolpath/adhesion/raft.h"
 
 #include "engine/toolpath/bead.h"
 #include "tests/engine/toolpath/shapes.h"

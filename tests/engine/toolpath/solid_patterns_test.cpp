@@ -1,6 +1,6 @@
-#include "engine/toolpath/concentric_fill.h"
-#include "engine/toolpath/fermat_fill.h"
-#include "engine/toolpath/gap_lines.h"
+#include "engine/toolpath/fill/concentric_fill.h"
+#include "engine/toolpath/fill/fermat_fill.h"
+#include "engine/toolpath/walls/gap_lines.h"
 #include "tests/engine/toolpath/shapes.h"
 
 #include <cmath>

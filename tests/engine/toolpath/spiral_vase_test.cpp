@@ -1,7 +1,7 @@
 #include "engine/toolpath/spiral_vase.h"
 
-#include "engine/toolpath/emit.h"
-#include "engine/toolpath/perimeters.h"
+#include "engine/toolpath/emit/emit.h"
+#include "engine/toolpath/walls/perimeters.h"
 #include "tests/engine/toolpath/shapes.h"
 
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "engine/toolpath/support_lines.h"
+#include "engine/toolpath/support/support_lines.h"
 
 #include "tests/engine/toolpath/shapes.h"
 

@@ -1,6 +1,6 @@
-#include "engine/toolpath/support_tree.h"
+#include "engine/toolpath/support/support_tree.h"
 
-#include "engine/toolpath/support_task.h"
+#include "engine/toolpath/support/support_task.h"
 #include "tests/engine/toolpath/shapes.h"
 
 #include <algorithm>

@@ -1,9 +1,9 @@
-#include "engine/toolpath/surfaces.h"
+#include "engine/toolpath/fill/surfaces.h"
 
 #include "engine/toolpath/bead.h"
 #include "engine/toolpath/draft.h"
-#include "engine/toolpath/pace.h"
-#include "engine/toolpath/supports.h"
+#include "engine/toolpath/emit/pace.h"
+#include "engine/toolpath/support/supports.h"
 #include "tests/engine/toolpath/shapes.h"
 
 #include <cmath>

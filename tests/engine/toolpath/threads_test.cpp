@@ -1,4 +1,4 @@
-#include "engine/toolpath/threads.h"
+#include "engine/toolpath/overhang/threads.h"
 
 #include "tests/engine/toolpath/shapes.h"
 

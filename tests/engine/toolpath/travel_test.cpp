@@ -1,4 +1,4 @@
-#include "engine/toolpath/travel.h"
+#include "engine/toolpath/travel/travel.h"
 
 #include "engine/geom/area_grid.h"
 #include "tests/engine/toolpath/shapes.h"

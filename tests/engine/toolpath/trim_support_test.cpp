@@ -1,4 +1,4 @@
-#include "engine/toolpath/trim_support.h"
+#include "engine/toolpath/support/trim_support.h"
 
 #include "engine/toolpath/lean.h"
 #include "tests/engine/toolpath/shapes.h"

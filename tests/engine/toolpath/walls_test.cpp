@@ -1,6 +1,6 @@
-#include "engine/toolpath/order.h"
-#include "engine/toolpath/perimeters.h"
-#include "engine/toolpath/seam.h"
+#include "engine/toolpath/travel/order.h"
+#include "engine/toolpath/walls/perimeters.h"
+#include "engine/toolpath/walls/seam.h"
 #include "tests/engine/toolpath/shapes.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
-#include "engine/toolpath/wipe.h"
+#include "engine/toolpath/travel/wipe.h"
 
 #include "engine/gcode/estimate.h"
-#include "engine/toolpath/emit.h"
+#include "engine/toolpath/emit/emit.h"
 #include "tests/engine/toolpath/shapes.h"
 
 #include <sstream>
