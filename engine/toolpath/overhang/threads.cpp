@@ -65,9 +65,9 @@ Polyline fine(const Polyline& line) {
 class Cutter {
  public:
   /// Beside `where`, if that is given, everything is held.
-  Cutter(std::vector<Path>& paths, const geom::Regions& ground, double widest_mm, Whole whole,
+  Cutter(std::vector<Path>& paths, const geom::Regions& ground, double widest_mm,
          const geom::Regions* where = nullptr)
-      : paths_(paths), ground_(ground), widest_mm_(widest_mm), whole_(whole) {
+      : paths_(paths), ground_(ground), widest_mm_(widest_mm) {
     if (where != nullptr) where_.emplace(*where);
     for (const Path& p : paths)
       if (is_line(p)) ++at_[key(p.points.front())], ++at_[key(p.points.back())];
@@ -99,8 +99,7 @@ class Cutter {
     Polyline points = fine(line);
     const auto held = std::find_if(points.begin(), points.end(), [&](const Point& p) { return is_held(p); });
     if (held != points.end() && held - points.begin() <= kTipSteps + 1) return false;
-    if (held == points.end() && at_[key(line.back())] == 1 && whole_ == Whole::shortened)
-      return shorten(path);
+    if (held == points.end() && at_[key(line.back())] == 1) return shorten(path);
     --at_[key(line.front())];
     if (held == points.end()) {
       --at_[key(line.back())];
@@ -143,7 +142,6 @@ class Cutter {
   geom::AreaGrid ground_;
   std::optional<geom::AreaGrid> where_;
   double widest_mm_;
-  Whole whole_;
   geom::Regions bare_;
   std::map<std::pair<geom::Coord, geom::Coord>, int> at_;  ///< how many ends lie there
 };
@@ -218,16 +216,14 @@ geom::Regions ground_of(std::size_t i, const geom::Regions& where, const slice::
 
 }  // namespace
 
-geom::Regions cut_threads(std::vector<Path>& paths, const geom::Regions& ground, double widest_mm,
-                          Whole whole) {
-  return Cutter(paths, ground, widest_mm, whole).run();
+geom::Regions cut_threads(std::vector<Path>& paths, const geom::Regions& ground, double widest_mm) {
+  return Cutter(paths, ground, widest_mm).run();
 }
 
 void cut_threads(std::span<LayerPlan> layers, const slice::LayerStack& stack,
                  std::vector<geom::Regions>& bare, const SliceSettings& settings, const run::Context& ctx) {
   std::vector<geom::Regions> cut_off(layers.size());
   const double widest = widest_mm(settings);
-  const Whole whole = settings.support == SupportMode::everywhere ? Whole::dropped : Whole::shortened;
   const auto cut = [&](std::size_t i) {
     const std::size_t bearer = layer_below_gap(stack, i, settings.support_z_gap_mm);
     if (bearer >= layers.size()) return;  // the plate is as near as a support would be
@@ -235,7 +231,7 @@ void cut_threads(std::span<LayerPlan> layers, const slice::LayerStack& stack,
                                                lean_mm(settings, stack[i].span.height_mm()));
     if (where.empty()) return;
     const geom::Regions ground = ground_of(i, where, stack, layers[bearer].support, bare, settings);
-    append(cut_off[i], Cutter(layers[i].paths, ground, widest, whole, &where).run());
+    append(cut_off[i], Cutter(layers[i].paths, ground, widest, &where).run());
   };
   run::parallel_for(ctx, layers.size(), [&](std::size_t i) {
     if (i > 0 && stack[i].regions != stack[i - 1].regions) cut(i);

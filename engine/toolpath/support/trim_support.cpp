@@ -29,8 +29,10 @@ using geom::Polyline;
 
 /// Lines are looked at this often, mm.
 constexpr double kSampleMm = 0.2;
-/// The tip of a line may stick out by this, mm: about its own width.
+/// The tip of a line may stick out by this, mm: less than its own width.
 constexpr double kTipMm = 0.3;
+/// What is shorter, mm, hangs no further than about its own width and stays.
+constexpr double kDotMm = 0.4;
 /// Between two held places a line may hang over this share of what sparse lines are apart: it is looked at
 /// here and there.
 constexpr double kSpanShare = 0.95;
@@ -240,7 +242,7 @@ class Trimmer {
     const Polyline line = whole_line(path);
     std::vector<Stretch> stretches = stretches_of(line, carrier, dense);
     const bool uniform = stretches.size() == 1;
-    if (uniform && (stretches.front().held || geom::length(line) < kTipMm * geom::kNmPerMm))
+    if (uniform && (stretches.front().held || geom::length(line) < kDotMm * geom::kNmPerMm))
       return std::nullopt;
     double all = 0, kept = 0, hanging = 0;
     for (const Stretch& s : stretches) {

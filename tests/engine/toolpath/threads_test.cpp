@@ -143,31 +143,3 @@ TEST_CASE("of a line that hangs whole stays a tip in its middle; a shorter one s
   CHECK(geom::to_mm(paths[0].points.back().x) == Approx(13.15).margin(0.11));
   CHECK(geom::length(paths[1].points) == Approx(0.35 * geom::kNmPerMm).margin(2));
 }
-
-TEST_CASE("where support had its choice, a line that it holds nowhere is left out whole") {
-  std::vector<Path> paths{thread(5, 13), thread(12, 14, 0.2), thread(16, 16.35, 0.2)};
-  const geom::Regions bare = toolpath::cut_threads(paths, kGround, kWidestMm, toolpath::Whole::dropped);
-  REQUIRE(paths.size() == 1);
-  CHECK(reach_mm(paths) == Approx(10.3).margin(0.11));
-  CHECK(geom::to_mm2(geom::area(geom::intersect(bare, {rectangle(16, 4.9, 16.35, 5.1)}))) > 0.05);
-
-  // A fin under a shelf that it reaches from above: it begins in a slot where no support has room.
-  const auto stack = stack_of(8, 0.2, [](double z) {
-    geom::Regions out{rectangle(50, 50, 60, 54), rectangle(50, 54.65, 60, 59)};
-    if (z > 7) return geom::Regions{rectangle(50, 50, 60, 59)};
-    if (z > 6) out = geom::unite(out, {rectangle(52, 54.2, 58, 54.45)});
-    return out;
-  });
-  toolpath::PrintSettings s;
-  s.slice.skirt_loops = 0;
-  const auto fin_mm = [&](toolpath::SupportMode mode) {
-    s.slice.support = mode;
-    const auto plan = toolpath::build(stack, s);
-    double sum = 0;
-    for (const Path& p : plan.layers[31].paths)
-      if (p.role == Role::gap_fill || p.role == Role::overhang_perimeter) sum += length_mm(p);
-    return sum;
-  };
-  CHECK(fin_mm(toolpath::SupportMode::everywhere) == 0);
-  CHECK(fin_mm(toolpath::SupportMode::none) > 0.2);
-}

@@ -60,6 +60,12 @@ TEST_CASE("what lies between two lines is carried by them, what lies beside the 
   CHECK(trimmed({strand({{1, 7}, {19, 7}})}, kRows).empty());
 }
 
+TEST_CASE("a dot over air stays, since it hangs no further than about its width") {
+  const auto dot = [](double mm) { return trimmed({strand({{5, 7}, {5 + mm, 7}})}, kRows).size(); };
+  CHECK(dot(0.38) == 1);
+  CHECK(dot(0.45) == 0);
+}
+
 TEST_CASE("an end over air is cut off, and held again on the part") {
   const auto cut = trimmed({strand({{10, 0}, {26, 0}})}, kRows);
   REQUIRE(cut.size() == 1);
