@@ -3,6 +3,7 @@
 #include "engine/geom/polygon_ops.h"
 #include "engine/toolpath/bead_area.h"
 #include "engine/toolpath/region_ops.h"
+#include "engine/toolpath/way.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,15 +32,6 @@ geom::Regions covered_by_gap_lines(const std::vector<Path>& paths) {
     add_beads(quads, line, path.width_mm * geom::kNmPerMm);
   }
   return geom::unite(quads);
-}
-
-struct Way {
-  double x, y;  ///< of length 1
-};
-
-Way way(const geom::Point& from, const geom::Point& to) {
-  const double d = std::max(geom::distance(from, to), 1.0);
-  return {static_cast<double>(to.x - from.x) / d, static_cast<double>(to.y - from.y) / d};
 }
 
 /// From a ring's i-th corner to where its border is so far on, or back.

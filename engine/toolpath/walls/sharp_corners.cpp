@@ -1,6 +1,7 @@
 #include "engine/toolpath/walls/sharp_corners.h"
 
 #include "engine/toolpath/walls/border.h"
+#include "engine/toolpath/way.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,15 +29,6 @@ constexpr double kTry = 20'000;
 
 /// Of points to whole nm, which flanks' distances add up.
 constexpr double kRoundingMm = 1e-5;
-
-struct Way {
-  double x = 0, y = 0;
-};
-
-Way way(const Point& a, const Point& b) {
-  const double d = std::max(geom::distance(a, b), 1.0);
-  return {static_cast<double>(b.x - a.x) / d, static_cast<double>(b.y - a.y) / d};
-}
 
 class Contour {
  public:
