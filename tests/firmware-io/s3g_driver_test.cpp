@@ -1,80 +1,9 @@
-#include "tests/firmware-io/s3g_bench.h"
-
-#include <random>
-#include <set>
+#include "tests/firmware-io/s3g_prints.h"
 
 #include <catch2/catch.hpp>
 
 using namespace voidpath::fw;
-using voidpath::test::S3gBench;
-namespace mock = voidpath::test::mock;
-
-namespace {
-
-using Lines = std::vector<std::string>;
-
-const Lines kStart = {"M136",        "M73 P0",         "G162 X Y F2000",
-                      "G161 Z F900", "M132 X Y Z A B", "G1 X0 Y0 Z10 F3300",
-                      "M104 S100",   "M109 S100",      "M83",
-                      "G92 E0"};
-const Lines kEnd = {"M104 S0", "M73 P100", "M137"};
-
-Lines moves(int n, std::uint64_t seed = 1) {
-  std::mt19937_64 random(seed);
-  Lines out;
-  for (int i = 0; i < n; ++i) {
-    const auto in = [&](int from, int to) {
-      return from + static_cast<int>(random() % static_cast<unsigned>(to - from));
-    };
-    out.push_back("G1 X" + std::to_string(in(-90, 90)) + " Y" + std::to_string(in(-60, 60)) + " E0." +
-                  std::to_string(in(100, 999)) + " F" + std::to_string(in(1200, 6000)));
-    if (random() % 9 == 0) out.push_back("G1 E-1.5 F1500"), out.push_back("G1 E1.5 F1500");
-    if (random() % 15 == 0) out.push_back("M106 S255");
-  }
-  return out;
-}
-
-Lines short_moves(int n) {
-  Lines out;
-  for (int i = 1; i <= n; ++i) out.push_back("G1 X" + std::to_string(i * 0.1) + " E0.005 F12000");
-  return out;
-}
-
-Lines operator+(Lines a, const Lines& b) {
-  a.insert(a.end(), b.begin(), b.end());
-  return a;
-}
-
-/// What a print must come to: the encoder's own actions, build notifications around them.
-Lines expected(const Lines& file) {
-  s3g::Encoder encoder((s3g::Machine()));
-  Lines out{encoder.build_start("voidpath").payload};
-  for (const std::string& line : file) {
-    for (const s3g::Action& action : encoder.encode(line).actions) out.push_back(action.payload);
-  }
-  if (encoder.build_started()) out.push_back(encoder.build_end().payload);
-  return out;
-}
-
-void check_executed(const S3gBench& bench, const Lines& file) {
-  const Lines want = expected(file);
-  REQUIRE(bench.executed.size() == want.size());
-  for (std::size_t i = 0; i < want.size(); ++i) {
-    if (bench.executed[i] == want[i]) continue;
-    INFO("command " << i);
-    REQUIRE(s3g::hex(bench.executed[i]) == s3g::hex(want[i]));
-  }
-  CHECK(bench.mock.violations().empty());
-}
-
-mock::S3gOptions real_wire() {
-  mock::S3gOptions o;
-  o.baud = 115200;
-  o.round_trip_s = 0.001;
-  return o;
-}
-
-}  // namespace
+using namespace voidpath::test;
 
 TEST_CASE("the greeting learns which firmware it is", "[s3g]") {
   S3gBench bench(real_wire());
