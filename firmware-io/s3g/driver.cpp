@@ -76,8 +76,7 @@ double Driver::deadline() const noexcept {
     next = std::min(poll_t_, build_t_);
     if (held_) next = std::min(next, room_t_);
     if (job_ && !held_) next = std::min(next, job_->next_question_t());
-    if (toggle_pending_ && seen_running_)
-      next = std::min(next, std::max(toggled_t_ + kToggleAgain_s, last_t_));
+    next = std::min(next, std::max(toggle_t(), last_t_));
     if (!polls_.empty() || (!controls_.empty() && !held_)) next = last_t_;
   }
   if (job_) next = std::min(next, stats_t_ + kStatsPeriod_s);
@@ -154,11 +153,17 @@ void Driver::pump(double t) {
   if (job_ && job_->over()) job_.reset();
 }
 
+// When to press the printer's pause button: only in a print of ours, since firmware obeys it at any time.
+double Driver::toggle_t() const noexcept {
+  if (!toggle_pending_ || !build_known_ || !seen_running_ || !job_ || job_->ending()) return kNever;
+  if (build_ != (wants_paused_ ? BuildState::running : BuildState::paused)) return kNever;
+  return toggled_t_ + kToggleAgain_s;
+}
+
 // The next packet; false when there is none to send.
 bool Driver::pump_ready(double t) {
   asked_by_job_ = asked_room_ = false;
-  const bool out_of_step = (build_ == BuildState::paused) != wants_paused_;
-  if (toggle_pending_ && t >= toggled_t_ + kToggleAgain_s && out_of_step && seen_running_) {
+  if (t >= toggle_t()) {
     toggled_t_ = t;
     build_t_ = t;
     link_.ask_once(Payload(Query::pause).bytes(), t);
@@ -270,8 +275,13 @@ void Driver::print(std::unique_ptr<LineSource> source, double t) {
 void Driver::pause() {
   if (!job_ || job_->ending()) return;
   job_->pause(false, "");
-  wants_paused_ = true;
+  want_paused(true);
+}
+
+void Driver::want_paused(bool paused) {
+  wants_paused_ = paused;
   toggle_pending_ = true;
+  build_known_ = false;
   build_t_ = 0;
 }
 
@@ -279,8 +289,7 @@ void Driver::resume(double t) {
   last_t_ = t;
   if (!job_) return;
   job_->resume();
-  toggle_pending_ = build_ == BuildState::paused || wants_paused_;
-  wants_paused_ = false;
+  want_paused(false);
   settle(t);
 }
 

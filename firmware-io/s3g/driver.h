@@ -69,6 +69,8 @@ class Driver final : public Dialogue {
   void pump(double t);
   bool pump_ready(double t);
   bool pump_action(double t);
+  void want_paused(bool paused);
+  double toggle_t() const noexcept;
   void act(Action action, double t);
   void hold(Action action, double t);
   void on_room(const Answer& answer, double t);
@@ -113,6 +115,7 @@ class Driver final : public Dialogue {
 
   bool wants_paused_ = false;  ///< the printer should stand still
   bool toggle_pending_ = false;
+  bool build_known_ = false;  ///< asked since that was wanted
   double toggled_t_ = -1e9;
   BuildState build_ = BuildState::none;
   bool seen_running_ = false;  ///< the firmware has known of this print

@@ -197,6 +197,7 @@ void Driver::on_build(const Answer& answer, double t) {
     if (line == glance_.line) link_.account().check(glance_);
   }
   build_ = static_cast<BuildState>(little_endian(answer.data, 0, 1));
+  build_known_ = true;
   if (!job_) return;
   if (build_ == BuildState::running || build_ == BuildState::paused) {
     seen_running_ = true;

@@ -68,6 +68,7 @@ void PrintJob::on_answer(const Answer& answer, double t) {
   }
   const auto query = static_cast<Query>(static_cast<unsigned char>(answer.query.at(0)));
   const bool good = answer.code == ReplyCode::ok;
+  if (held()) return;
   switch (wait_) {
     case Wait::none:
       return;
@@ -145,10 +146,9 @@ void PrintJob::on_build(BuildState state) {
 }
 
 std::optional<Action> PrintJob::next() {
-  if (out_ || wait_ != Wait::none) return {};
+  if (out_ || paused_ || wait_ != Wait::none) return {};
   if (state_ == State::feeding && pending_.empty()) fetch();
-  if (pending_.empty() || state_ == State::paused || state_ == State::starting || wait_ != Wait::none)
-    return {};
+  if (pending_.empty() || paused_ || state_ == State::starting || wait_ != Wait::none) return {};
   const Action& action = pending_.front();
   if (is_wait(action) && !drained_ && state_ != State::ending) {
     wait_ = Wait::rest;
@@ -170,7 +170,7 @@ std::optional<Action> PrintJob::next() {
 // Lines until one gives something to do.
 void PrintJob::fetch() {
   try {
-    while (state_ == State::feeding && wait_ == Wait::none && pending_.empty()) {
+    while (state_ == State::feeding && !paused_ && wait_ == Wait::none && pending_.empty()) {
       const auto line = source_->next();
       if (!line) {
         if (encoder_.build_started()) pending_.push_back(encoder_.build_end());
@@ -255,14 +255,15 @@ void PrintJob::drop(decltype(Event::what) outcome) {
 }
 
 void PrintJob::pause(bool by_printer, const std::string& reason) {
-  if (state_ != State::feeding) return;
-  state_ = State::paused;
+  if (paused_ || ending()) return;
+  paused_ = true;
   emit_(Paused{by_printer, reason});
 }
 
 void PrintJob::resume() {
-  if (state_ != State::paused) return;
-  state_ = State::feeding;
+  if (!paused_ || ending()) return;
+  paused_ = false;
+  ask_t_ = 0;
   emit_(Resumed{});
 }
 
@@ -272,6 +273,7 @@ void PrintJob::end(std::vector<std::string> lines, decltype(Event::what) outcome
   outcome_ = std::move(outcome);
   pending_.clear();
   line_.reset();
+  paused_ = false;
   state_ = State::stopping;
   wait_ = Wait::stopped;
   ask_t_ = 0;

@@ -57,18 +57,20 @@ class PrintJob {
 
   bool over() const noexcept { return state_ == State::over; }
   bool ending() const noexcept { return state_ >= State::stopping; }
-  bool paused() const noexcept { return state_ == State::paused; }
+  bool paused() const noexcept { return paused_; }
   bool wants_halt() const noexcept { return wants_halt_; }
   /// The printer cannot be stopped politely.
   bool wants_abort() const noexcept { return wants_abort_; }
   const decltype(Event::what)& outcome() const { return *outcome_; }
 
  private:
-  enum class State { starting, feeding, paused, finishing, stopping, ending, over };
+  enum class State { starting, feeding, finishing, stopping, ending, over };
   enum class Wait { none, rest, tool, bed, extruders, build, board, stopped, position };
   static constexpr double kNever_t = 1e300;
 
-  bool asks() const noexcept { return state_ != State::over && wait_ != Wait::none; }
+  bool asks() const noexcept { return state_ != State::over && wait_ != Wait::none && !held(); }
+  /// Begins and ends no print while it is paused: the printer may be at rest because of that.
+  bool held() const noexcept { return paused_ && state_ != State::feeding; }
   void fetch();
   void take_line(const SourceLine& line);
   void advance();
@@ -92,6 +94,7 @@ class PrintJob {
   std::optional<SourceLine> line_;
   std::uint64_t position_ = 0;
   bool started_ = false;
+  bool paused_ = false;
   bool heating_ = false;
   bool motion_armed_ = true;  ///< no motion since the start or the last heating wait
   bool wants_halt_ = false, wants_abort_ = false;

@@ -205,7 +205,7 @@ void MockS3g::answer_query(const std::string& payload) {
       reply(ok);
       return reset();
     case 8:
-      press_pause();
+      toggle_pause();
       return reply(ok);
     case 10:
       return reply(tool_answer(payload));
@@ -221,7 +221,8 @@ void MockS3g::answer_query(const std::string& payload) {
     }
     case 22: {
       const auto what = payload.size() > 1 ? static_cast<unsigned char>(payload[1]) : 0U;
-      if ((what & 2U) != 0) queue_.clear(), queue_bytes_ = 0;
+      // A pause ends with the queue, though the state still tells of it.
+      if ((what & 2U) != 0) queue_.clear(), queue_bytes_ = 0, paused_ = false;
       if ((what & 1U) != 0) {
         motion_.quick_stop(now_);
         const Axes mm = motion_.planner().position();
@@ -235,8 +236,8 @@ void MockS3g::answer_query(const std::string& payload) {
     case 23:
       return reply(ok + byte(heat_shutdown_ ? 0x40 : 0));
     case 24:
-      return reply(ok + byte(paused_ ? 3 : build_) + byte(0) + byte(0) +
-                   number(options_.counts_lines ? line_ : 0, 4) + number(0, 4));
+      return reply(ok + byte(build_) + byte(0) + byte(0) + number(options_.counts_lines ? line_ : 0, 4) +
+                   number(0, 4));
     case 27:
       if (!options_.advanced_version) return reply_code(5);
       return reply(ok + number(707, 2) + number(0, 2) + byte(0x80) + byte(0) + number(0, 2));
@@ -307,9 +308,15 @@ void MockS3g::apply(const Fault& fault) {
   }
 }
 
+// The panel offers it during a print...
 void MockS3g::press_pause() {
-  if (build_ != 1) return;
+  if (build_ == 1 || build_ == 3) toggle_pause();
+}
+
+// ...the host may send it at any time, and is obeyed.
+void MockS3g::toggle_pause() {
   paused_ = !paused_;
+  build_ = paused_ ? 3 : 1;
 }
 
 void MockS3g::shut_heaters_down() {

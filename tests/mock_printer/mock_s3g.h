@@ -70,6 +70,7 @@ class MockS3g final : public Firmware {
   void apply(const Fault& fault);
   void stop_all();
   void tick_second();
+  void toggle_pause();
 
   // s3g_commands.cpp: what leaves the queue
   void run_queue();

@@ -1,0 +1,94 @@
+#include "tests/firmware-io/s3g_prints.h"
+
+#include <catch2/catch.hpp>
+
+using namespace voidpath::fw;
+using namespace voidpath::test;
+
+namespace {
+
+/// Everything has been sent, the printer is still at it.
+bool tail_drains(const S3gBench& bench, const Lines& file) {
+  return bench.count<LineDone>() == static_cast<int>(file.size()) && bench.mock.queued_bytes() > 0;
+}
+
+}  // namespace
+
+TEST_CASE("a pause while the last moves drain stands still, goes on and comes to an end", "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  const Lines file = kStart + moves(60);
+  bench.print(file);
+  REQUIRE(bench.run_until([&] { return tail_drains(bench, file); }));
+  bench.driver.pause();
+  REQUIRE(bench.run_until([&] { return bench.mock.paused(); }, 5));
+  const std::size_t before = bench.executed.size();
+  bench.run_for(60);
+  CHECK(bench.executed.size() == before);
+  CHECK_FALSE(bench.over());
+  CHECK(bench.count<Paused>() == 1);
+  bench.driver.resume(bench.t);
+  REQUIRE(bench.run_until([&] { return bench.over(); }, 60));
+  CHECK(bench.count<Paused>() == 1);
+  CHECK(bench.count<Resumed>() == 1);
+  CHECK(bench.count<PrintFinished>() == 1);
+  check_executed(bench, file);
+}
+
+TEST_CASE("a pause when all moves are done and only the end is to be told does not end the print", "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  const Lines file = kStart + moves(60);
+  bench.print(file);
+  REQUIRE(bench.run_until([&] { return tail_drains(bench, file); }));
+  REQUIRE(bench.run_until([&] { return bench.mock.drained() && bench.mock.queued_bytes() == 0; }, 60));
+  bench.driver.pause();
+  bench.run_for(10);
+  CHECK_FALSE(bench.over());
+  bench.driver.resume(bench.t);
+  REQUIRE(bench.run_until([&] { return bench.over(); }, 60));
+  CHECK(bench.count<Paused>() == 1);
+  CHECK(bench.count<Resumed>() == 1);
+  CHECK(bench.count<PrintFinished>() == 1);
+  CHECK_FALSE(bench.mock.paused());
+}
+
+TEST_CASE("a pause at the panel while the last moves drain is told", "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  const Lines file = kStart + moves(60);
+  bench.print(file);
+  REQUIRE(bench.run_until([&] { return tail_drains(bench, file); }));
+  bench.mock.press_pause();
+  bench.run_for(60);
+  REQUIRE(bench.count<Paused>() == 1);
+  CHECK(std::get<Paused>(bench.first<Paused>()->what).by_printer);
+  bench.mock.press_pause();
+  REQUIRE(bench.run_until([&] { return bench.over(); }, 60));
+  CHECK(bench.count<Resumed>() == 1);
+  CHECK(bench.count<PrintFinished>() == 1);
+  check_executed(bench, file);
+}
+
+TEST_CASE("a pause before the first line has gone out can be ended", "[s3g]") {
+  for (const double after_s : {0.0, 0.001, 0.003, 0.01, 0.03}) {
+    S3gBench bench(real_wire());
+    REQUIRE(bench.connect());
+    bench.run_for(7);
+    const Lines file = kStart + moves(20) + kEnd;
+    bench.print(file);
+    if (after_s > 0) bench.run_for(after_s);
+    bench.driver.pause();
+    bench.run_for(60);
+    INFO("paused " << after_s << " s after the beginning");
+    CHECK_FALSE(bench.over());
+    CHECK(bench.count<Paused>() == 1);
+    CHECK(bench.executed.size() < kStart.size());
+    bench.driver.resume(bench.t);
+    REQUIRE(bench.run_until([&] { return bench.over(); }));
+    CHECK(bench.count<Paused>() == 1);
+    CHECK(bench.count<Resumed>() == 1);
+    CHECK(bench.count<PrintFinished>() == 1);
+    check_executed(bench, file);
+  }
+}
