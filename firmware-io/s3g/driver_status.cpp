@@ -199,6 +199,7 @@ void Driver::on_build(const Answer& answer, double t) {
   build_ = static_cast<BuildState>(little_endian(answer.data, 0, 1));
   build_known_ = true;
   if (!job_) return;
+  if (!job_->begun()) return;
   if (build_ == BuildState::running || build_ == BuildState::paused) {
     seen_running_ = true;
   } else if (build_ == BuildState::none && seen_running_) {

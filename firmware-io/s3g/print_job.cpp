@@ -10,6 +10,8 @@ namespace {
 constexpr double kRestPoll_s = 0.02;
 /// ...and whether a temperature is reached.
 constexpr double kHeatPoll_s = 0.25;
+/// So many asks at the beginning before the user is told what is waited for.
+constexpr int kPatientAsks = 250;
 constexpr std::size_t kBuildBytes = 12;
 constexpr std::size_t kPositionBytes = 1 + 4 * kAxes + 2;
 /// Query::stop: both the motors and the queue.
@@ -73,7 +75,11 @@ void PrintJob::on_answer(const Answer& answer, double t) {
     case Wait::none:
       return;
     case Wait::rest:
-      if (query == Query::finished && yes) rested();
+      if (query == Query::finished && yes) {
+        rested();
+      } else if (state_ == State::starting && ++rest_asks_ == kPatientAsks) {
+        emit_(Message{"the print begins when the printer has done what it was sent before"});
+      }
       ask_t_ = std::max(ask_t_, t);
       return;
     case Wait::tool:
@@ -85,7 +91,6 @@ void PrintJob::on_answer(const Answer& answer, double t) {
     case Wait::extruders:
       if (query != Query::position) return;
       if (good) encoder_.set_extruders(steps[kA], steps[kB]);
-      pending_.push_back(encoder_.build_start("voidpath"));
       wait_ = Wait::none;
       state_ = State::feeding;
       return;
@@ -134,6 +139,12 @@ void PrintJob::rested() {
 
 void PrintJob::on_build(BuildState state) {
   wait_ = Wait::none;
+  if (state_ == State::starting) {
+    if (state == BuildState::paused)
+      return finish(PrintFailed{"the printer is paused in the middle of another print: end that one first"});
+    pending_.push_back(encoder_.build_start("voidpath"));
+    return;
+  }
   if (state == BuildState::none) return fail_softly("the printer restarted in mid-print");
   build_seen_ = true;
   if (state_ != State::finishing || !pending_.empty()) return;
@@ -148,7 +159,7 @@ void PrintJob::on_build(BuildState state) {
 std::optional<Action> PrintJob::next() {
   if (out_ || paused_ || wait_ != Wait::none) return {};
   if (state_ == State::feeding && pending_.empty()) fetch();
-  if (pending_.empty() || paused_ || state_ == State::starting || wait_ != Wait::none) return {};
+  if (pending_.empty() || paused_ || wait_ != Wait::none) return {};
   const Action& action = pending_.front();
   if (is_wait(action) && !drained_ && state_ != State::ending) {
     wait_ = Wait::rest;
@@ -159,7 +170,7 @@ std::optional<Action> PrintJob::next() {
     ask_t_ = 0;
     return {};
   }
-  if (!std::exchange(started_, true)) emit_(PrintStarted{});
+  if (state_ != State::starting && !std::exchange(started_, true)) emit_(PrintStarted{});
   if (is_wait(action) && !std::exchange(heating_, true)) emit_(Heating{true});
   if (action.kind == Action::Kind::move && std::exchange(motion_armed_, false)) emit_(MotionStarted{});
   drained_ = false;
@@ -221,7 +232,10 @@ void PrintJob::on_accepted(const Accepted& accepted) {
     out_ = false;
     return;
   }
-  if (action.kind == Action::Kind::home) {
+  if (state_ == State::starting) {
+    begun_ = true;
+    wait_ = Wait::rest;
+  } else if (action.kind == Action::Kind::home) {
     homing_ = true;
     wait_ = Wait::rest;
   } else if (action.kind == Action::Kind::wait_tool && state_ != State::ending) {
@@ -269,6 +283,8 @@ void PrintJob::resume() {
 
 void PrintJob::end(std::vector<std::string> lines, decltype(Event::what) outcome) {
   if (state_ >= State::stopping) return;
+  // Nothing of it is in the printer, which may be at something else.
+  if (state_ == State::starting && !begun_ && !out_) return finish(std::move(outcome));
   ending_lines_ = std::move(lines);
   outcome_ = std::move(outcome);
   pending_.clear();

@@ -26,11 +26,12 @@ struct Question {
 /// One print: turns the source's lines into actions one after the other, and ends it, well or not. One
 /// thread.
 ///
-/// It begins when the printer is at rest, with a build notification. A heating wait goes out when all before
-/// it is done, and nothing follows a wait or a homing until that has ended: so that both are timed, and the
-/// first motion leaves when it can begin. At the end of the file the printer is asked until it is at rest. A
-/// printer that restarted takes what follows as if nothing were: it knows of no build, which is asked before
-/// the build is ended, and again when all is done.
+/// It begins with a build notification, which a printer at a print of its own refuses; a paused one would not
+/// come to it. The file follows when what an earlier session left behind is done. A heating wait goes out
+/// when all before it is done, and nothing follows a wait or a homing until that has ended: so that both are
+/// timed, and the first motion leaves when it can begin. At the end of the file the printer is asked until it
+/// is at rest. A printer that restarted takes what follows as if nothing were: it knows of no build, which is
+/// asked before the build is ended, and again when all is done.
 class PrintJob {
  public:
   PrintJob(std::unique_ptr<LineSource> source, Encoder& encoder, Emit emit);
@@ -58,6 +59,8 @@ class PrintJob {
   bool over() const noexcept { return state_ == State::over; }
   bool ending() const noexcept { return state_ >= State::stopping; }
   bool paused() const noexcept { return paused_; }
+  /// The printer has been told of it.
+  bool begun() const noexcept { return begun_; }
   bool wants_halt() const noexcept { return wants_halt_; }
   /// The printer cannot be stopped politely.
   bool wants_abort() const noexcept { return wants_abort_; }
@@ -84,16 +87,17 @@ class PrintJob {
   Encoder& encoder_;
   Emit emit_;
   State state_ = State::starting;
-  Wait wait_ = Wait::rest;
+  Wait wait_ = Wait::build;
   int wait_tool_ = 0;
   bool homing_ = false, drained_ = false;
   bool build_seen_ = false;  ///< still the printer's when its end was due
   double ask_t_ = 0;
+  int rest_asks_ = 0;  ///< before it began
   std::deque<Action> pending_;
   bool out_ = false;  ///< the front one is on its way
   std::optional<SourceLine> line_;
   std::uint64_t position_ = 0;
-  bool started_ = false;
+  bool begun_ = false, started_ = false;
   bool paused_ = false;
   bool heating_ = false;
   bool motion_armed_ = true;  ///< no motion since the start or the last heating wait

@@ -92,3 +92,51 @@ TEST_CASE("a pause before the first line has gone out can be ended", "[s3g]") {
     check_executed(bench, file);
   }
 }
+
+TEST_CASE("a print from the card is left alone: a job is refused at once and touches nothing", "[s3g]") {
+  for (const bool paused : {false, true}) {
+    for (const char* then : {"wait", "pause", "cancel"}) {
+      S3gBench bench(real_wire());
+      REQUIRE(bench.connect());
+      bench.run_for(3);
+      bench.mock.print_from_card(600);
+      bench.run_for(20);
+      if (paused) bench.mock.press_pause();
+      const double asked = bench.t;
+      bench.print(kStart + moves(20));
+      if (then == std::string("pause")) bench.driver.pause();
+      if (then == std::string("cancel")) bench.driver.cancel("user", bench.t);
+      INFO(then << (paused ? ", paused" : ""));
+      if (then == std::string("pause")) {
+        bench.run_for(5);
+        bench.driver.resume(bench.t);
+      }
+      REQUIRE(bench.run_until([&] { return bench.over(); }, 10));
+      if (then == std::string("wait")) {
+        CHECK(bench.first<PrintFailed>()->at_s - asked < 0.1);
+        CHECK_THAT(bench.failure(), Catch::Contains(paused ? "another print" : "card"));
+      }
+      bench.run_for(30);
+      CHECK(bench.executed.empty());
+      CHECK(bench.mock.prints_from_card());
+      CHECK(bench.mock.paused() == paused);
+      CHECK(bench.mock.aborts() == 0);
+      CHECK(bench.mock.drained() == paused);
+    }
+  }
+}
+
+TEST_CASE("what an earlier session left running is waited for", "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  for (const char* line : {"G4 S10", "G4 S30"}) bench.driver.command(line, bench.t);
+  bench.run_for(2);
+  const Lines file = kStart + moves(20) + kEnd;
+  bench.print(file);
+  bench.run_for(20);
+  CHECK(bench.said("sent before"));
+  bench.executed.clear();
+  REQUIRE(bench.run_until([&] { return bench.over(); }));
+  REQUIRE(bench.count<PrintFinished>() == 1);
+  check_executed(bench, file);
+}

@@ -54,7 +54,7 @@ void MockS3g::reset() {
   packet_begun_ = -1;
   line_ = 0;
   build_ = 0;
-  paused_ = cancel_note_ = heat_shutdown_ = sd_busy_ = false;
+  paused_ = cancel_note_ = heat_shutdown_ = false;
   position_ = {};
   motion_.set_position(position_mm());
   motion_.align_steps();
@@ -68,6 +68,7 @@ void MockS3g::reset() {
 void MockS3g::stop_all() {
   queue_.clear();
   queue_bytes_ = 0;
+  card_ = false;
   motion_.quick_stop(now_);
   const Axes mm = motion_.planner().position();
   for (std::size_t i = 0; i < 3; ++i)
@@ -154,7 +155,7 @@ void MockS3g::handle_packet(const std::string& payload) {
 
 void MockS3g::take_action(const std::string& payload) {
   if (heat_shutdown_) return reply_code(0x0B);
-  if (sd_busy_ || now_ < busy_until_) return reply_code(0x0A);
+  if (card_ || now_ < busy_until_) return reply_code(0x0A);
   if (queue_bytes_ + payload.size() > options_.queue_bytes) return reply_code(2);
   queue_.push_back(payload);
   queue_bytes_ += payload.size();
@@ -210,7 +211,7 @@ void MockS3g::answer_query(const std::string& payload) {
     case 10:
       return reply(tool_answer(payload));
     case 11:
-      return reply(ok + byte(queue_.empty() && drained()));
+      return reply(ok + byte(queue_.empty() && drained() && !card_));
     case 21: {
       std::string out = ok;
       std::array<std::int32_t, 5> at = position_;
@@ -301,11 +302,19 @@ void MockS3g::apply(const Fault& fault) {
     case FaultKind::kCancel:
       return cancel_at_panel();
     case FaultKind::kBusy:
-      busy_until_ = now_ + fault.seconds;
-      return;
+      return print_from_card(fault.seconds);
     default:
       return;
   }
+}
+
+// None can be chosen while another print runs: then only the host is refused.
+void MockS3g::print_from_card(double seconds) {
+  busy_until_ = now_ + seconds;
+  if (build_ == 1 || build_ == 3 || !queue_.empty() || !drained()) return;
+  card_ = true;
+  build_ = 1;
+  run_queue();
 }
 
 // The panel offers it during a print...
@@ -340,6 +349,7 @@ double MockS3g::next_event() const {
   const bool runs = !paused_ && !heat_shutdown_ && now_ >= boot_until_ && now_ >= silent_until_;
   if (until_ >= 0 && runs) next = std::min(next, until_);
   if (resume_at_ >= 0) next = std::min(next, resume_at_);
+  if (card_ && busy_until_ > now_) next = std::min(next, busy_until_);
   bool heats = bed_.heater().target() > 0;
   for (const GuardedHeater& hotend : hotends_) heats = heats || hotend.heater().target() > 0;
   if (heats) next = std::min(next, next_second_);
@@ -391,7 +401,7 @@ bool MockS3g::waits_for_host() const {
   if (now_ < boot_until_ || now_ < silent_until_ || packet_state_ != 0) return false;
   if (!wire_in_.empty() || !wire_out_.empty() || !ready_out_.empty()) return false;
   // With a full queue or a command that takes its time, more input would change nothing.
-  return mode_ == Mode::ready && !paused_ && queue_.empty() && !motion_.full();
+  return mode_ == Mode::ready && !paused_ && !card_ && queue_.empty() && !motion_.full();
 }
 
 Statistics MockS3g::statistics() const {

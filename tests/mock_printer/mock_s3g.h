@@ -47,6 +47,9 @@ class MockS3g final : public Firmware {
   /// As its guards do when a heater or a sensor fails.
   void shut_heaters_down();
   void fail_heater() { heat_shutdown_ = true; }
+  /// Chosen at the panel; moves for so long, and refuses all actions meanwhile.
+  void print_from_card(double seconds);
+  bool prints_from_card() const { return card_; }
   bool paused() const { return paused_; }
   std::uint64_t aborts() const { return aborts_; }
   std::size_t queued_bytes() const { return queue_bytes_; }
@@ -74,6 +77,7 @@ class MockS3g final : public Firmware {
 
   // s3g_commands.cpp: what leaves the queue
   void run_queue();
+  void run_card();
   void begin(const std::string& payload);
   bool needs_rest(unsigned code) const;
   void move(const std::string& payload);
@@ -111,7 +115,7 @@ class MockS3g final : public Firmware {
   std::array<std::int32_t, 5> position_{};
   std::uint32_t line_ = 0;
   unsigned build_ = 0;
-  bool paused_ = false, cancel_note_ = false, heat_shutdown_ = false, sd_busy_ = false;
+  bool paused_ = false, cancel_note_ = false, heat_shutdown_ = false, card_ = false;
   double boot_until_ = 0, silent_until_ = -1, busy_until_ = -1, resume_at_ = -1, next_second_ = 1;
   double slow_s_ = 0;
   std::uint64_t slow_commands_ = 0;

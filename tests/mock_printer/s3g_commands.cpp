@@ -117,6 +117,7 @@ void MockS3g::run_queue() {
   for (;;) {
     if (paused_ || heat_shutdown_ || now_ < boot_until_ || now_ < silent_until_) return;
     motion_.update(now_);
+    if (card_) return run_card();
     if (mode_ == Mode::timed) {
       if (now_ < until_) return;
       mode_ = Mode::ready;
@@ -153,6 +154,23 @@ void MockS3g::run_queue() {
     ++executed_;
     if (payloads_) payloads_(payload);
     begin(payload);
+  }
+}
+
+/// To and fro, as long as the print from the card goes on.
+void MockS3g::run_card() {
+  if (now_ >= busy_until_) {
+    if (!motion_.drained()) return;
+    card_ = false;
+    build_ = 2;
+    return;
+  }
+  constexpr double kStroke_mm = 20, kFeed_mm_s = 40;
+  const auto stroke = static_cast<std::int32_t>(kStroke_mm * options_.motion.steps_per_mm[kX]);
+  while (!motion_.full()) {
+    position_[kX] += position_[kX] > 0 ? -stroke : stroke;
+    motion_.add_move(now_, position_mm(), kFeed_mm_s, 1);
+    motion_.update(now_);
   }
 }
 
