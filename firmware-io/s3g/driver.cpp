@@ -11,9 +11,6 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kStatsPeriod_s = 10;
 /// The firmware ignores the toggle while it is pausing or going on.
 constexpr double kToggleAgain_s = 2;
-/// After an emergency stop it is said again so often and so long, in case it was damaged.
-constexpr double kHaltAgain_s = 0.25;
-constexpr int kHalts = 4;
 /// Between looks at a full queue, s; rarer when it stays full.
 constexpr double kRoomPoll_s = 0.01;
 constexpr double kRoomPollSlow_s = 0.1;
@@ -43,14 +40,6 @@ void Driver::received(std::string_view bytes, double t) {
 void Driver::elapsed(double t) {
   last_t_ = t;
   if (phase_ == Phase::closed) return;
-  if (phase_ == Phase::halted && t >= phase_deadline_) {
-    if (--halts_left_ <= 0) {
-      phase_ = Phase::closed;
-      return;
-    }
-    link_.shout(Payload(Query::abort).bytes());
-    phase_deadline_ = t + kHaltAgain_s;
-  }
   link_.elapsed(t);
   if (job_ && t >= stats_t_ + kStatsPeriod_s) {
     stats_t_ = t;
@@ -63,8 +52,9 @@ double Driver::deadline() const noexcept {
   switch (phase_) {
     case Phase::closed:
       return kNever;
+    case Phase::aborting:
     case Phase::halted:
-      return phase_deadline_;
+      return link_.deadline();
     case Phase::greeting:
     case Phase::identifying:
       return link_.idle() ? phase_deadline_ : std::min(link_.deadline(), phase_deadline_);
@@ -102,9 +92,9 @@ void Driver::take_outcomes(double t) {
     } else if (const auto* refused = std::get_if<Refused>(&*outcome)) {
       on_refused(*refused, t);
     } else {
-      on_dead(std::get<Dead>(*outcome));
+      on_dead(std::get<Dead>(*outcome), t);
     }
-    if (job_ && job_->wants_abort()) abort_job(job_->outcome(), t);
+    if (phase_ == Phase::ready && job_ && job_->wants_abort()) abort_job(job_->outcome(), t);
     if (job_ && job_->over()) job_.reset();
   }
 }
@@ -130,12 +120,13 @@ void Driver::on_refused(const Refused& refused, double t) {
   }
 }
 
-void Driver::on_dead(const Dead& dead) {
-  if (job_) {
-    // What may still be heard.
-    link_.shout(Payload(Query::abort).bytes());
-    drop_job(PrintFailed{dead.reason});
+void Driver::on_dead(const Dead& dead, double t) {
+  if (phase_ == Phase::halted) {
+    phase_ = Phase::closed;
+    return;
   }
+  if (phase_ == Phase::ready && job_) return halt(dead.reason, t);  // which may still be heard
+  drop_job(PrintFailed{dead.reason});
   disconnect(dead.reason);
 }
 
@@ -307,9 +298,19 @@ void Driver::end_job(std::vector<std::string> lines, decltype(Event::what) outco
 
 // The firmware itself stops, cools down and begins anew.
 void Driver::abort_job(decltype(Event::what) outcome, double t) {
-  link_.shout(Payload(Query::abort).bytes());
-  drop_job(std::move(outcome));
+  job_->end({}, std::move(outcome));
+  if (job_->over()) return job_.reset();
   forget_sending();
+  phase_ = Phase::aborting;
+  link_.insist(Payload(Query::abort).bytes(), t);
+}
+
+void Driver::on_aborted(ReplyCode code, double t) {
+  if (code != ReplyCode::ok) {
+    on_refused({{}, code}, t);
+    return disconnect("the printer has shut its heaters down");
+  }
+  drop_job(job_->outcome());
   phase_ = Phase::greeting;
   phase_deadline_ = t + 1;
   greeting_since(t);
@@ -344,16 +345,12 @@ void Driver::shut_down(double t) {
 void Driver::halt(const std::string& reason, double t) {
   last_t_ = t;
   if (phase_ == Phase::closed || phase_ == Phase::halted) return;
-  urgent_ = true;
-  link_.output().clear();
-  link_.shout(Payload(Query::abort).bytes());
+  link_.insist(Payload(Query::abort).bytes(), t);
   forget_sending();
   drop_job(PrintFailed{reason});
   if (std::exchange(connected_, false)) emit(Disconnected{reason});
   last_loss_ = reason;
   phase_ = Phase::halted;
-  halts_left_ = kHalts;
-  phase_deadline_ = t + kHaltAgain_s;
 }
 
 void Driver::command(const std::string& line, double t) {

@@ -43,14 +43,23 @@ class Driver final : public Dialogue {
   void halt(const std::string& reason, double t) override;
   void command(const std::string& line, double t) override;
   void shut_down(double t) override;
-  bool finished() const noexcept override { return phase_ == Phase::closed || !job_; }
+  bool finished() const noexcept override {
+    return phase_ == Phase::closed || (!job_ && phase_ != Phase::halted);
+  }
 
   std::string& output() noexcept override { return link_.output(); }
-  bool take_urgent() noexcept override { return std::exchange(urgent_, false); }
+  bool take_urgent() noexcept override { return false; }  // one packet at the most, which must be whole
   bool closing() const noexcept override { return phase_ == Phase::closed; }
 
  private:
-  enum class Phase { closed, greeting, identifying, ready, halted };
+  enum class Phase {
+    closed,
+    greeting,
+    identifying,
+    ready,
+    aborting,  ///< until the firmware has heard it; then it is greeted anew
+    halted     ///< the same, and then closed
+  };
 
   void emit(decltype(Event::what) what);
   void ask(Question question, double t) { link_.ask(std::move(question.payload), question.answer_bytes, t); }
@@ -64,7 +73,8 @@ class Driver final : public Dialogue {
   void on_tool_answer(const Answer& answer);
   void on_build(const Answer& answer, double t);
   void on_refused(const Refused& refused, double t);
-  void on_dead(const Dead& dead);
+  void on_dead(const Dead& dead, double t);
+  void on_aborted(ReplyCode code, double t);
   void check_panel(double t);
   void pump(double t);
   bool pump_ready(double t);
@@ -109,9 +119,8 @@ class Driver final : public Dialogue {
   FirmwareInfo firmware_;
   std::map<std::string, Temperature> sensors_;
   std::string last_loss_;
-  bool connected_ = false, urgent_ = false;
+  bool connected_ = false;
   double poll_t_ = 0, build_t_ = 0, stats_t_ = 0, glance_t_ = 0;
-  int halts_left_ = 0;
 
   bool wants_paused_ = false;  ///< the printer should stand still
   bool toggle_pending_ = false;

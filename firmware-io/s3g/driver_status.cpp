@@ -130,6 +130,8 @@ void Driver::schedule_polls(double t) {
 
 void Driver::on_answer(const Answer& answer, double t) {
   if (phase_ == Phase::greeting || phase_ == Phase::identifying) return on_identity(answer, t);
+  if (phase_ == Phase::aborting) return on_aborted(answer.code, t);
+  if (phase_ == Phase::halted) phase_ = Phase::closed;
   if (phase_ != Phase::ready) return;
   if (answer.code == ReplyCode::cancelled || answer.code == ReplyCode::heater_failure) {
     return on_refused({{}, answer.code}, t);

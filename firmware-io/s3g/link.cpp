@@ -50,8 +50,9 @@ void Link::restart(double t) {
 void Link::send(std::string_view payload, double t) {
   recorder_.sent(stamp_.now_s(), hex(payload));
   output_ += frame(payload);
+  packet_bytes_ = payload.size() + kFrameBytes;
   ++packets_sent_;
-  bytes_sent_ += payload.size() + kFrameBytes;
+  bytes_sent_ += packet_bytes_;
   due_t_ = t + timing_.reply_s;
 }
 
@@ -92,15 +93,22 @@ void Link::send_action(double t) {
   send(action_->payload, t);
 }
 
-void Link::shout(std::string_view payload) {
-  // Whatever packet the firmware is in the middle of ends within these; between packets they are nothing.
-  output_.append(kMaxPayload + kFrameBytes, '\0');
-  output_ += frame(payload);
-  recorder_.sent(stamp_.now_s(), hex(payload));
-  step_ = Step::idle;
+void Link::insist(std::string payload, double t) {
+  // A packet that has begun to leave is finished: the firmware would take what follows for its rest.
+  const bool begun = output_.size() < packet_bytes_;
+  if (!begun) output_.resize(output_.size() - packet_bytes_);
+  owed_ = begun && (step_ == Step::asking || step_ == Step::acting);
+  step_ = Step::insisting;
+  query_ = std::move(payload);
   action_.reset();
   outcome_.reset();
-  reader_.clear();
+  insist_until_ = t + timing_.insist_s;
+  say_again(t);
+}
+
+void Link::say_again(double t) {
+  send(query_, t);
+  due_t_ = t + timing_.quiet_s;
 }
 
 void Link::done(Outcome outcome) {
@@ -122,6 +130,7 @@ void Link::received(std::string_view bytes, double t) {
     }
   }
   if (step_ == Step::quiet) due_t_ = t + timing_.quiet_s;
+  if (step_ == Step::insisting) due_t_ = std::min(t + timing_.quiet_s, insist_until_);
 }
 
 void Link::on_packet(const Packet& packet, double t) {
@@ -138,7 +147,18 @@ void Link::on_packet(const Packet& packet, double t) {
     } else {
       disturbed(t);
     }
+  } else if (step_ == Step::insisting) {
+    on_insisted(packet, t);
   }
+}
+
+// What came right behind another packet is easily lost: once that one is answered, the firmware listens
+// again.
+void Link::on_insisted(const Packet& packet, double t) {
+  if (std::exchange(owed_, false)) return say_again(t);
+  if (!packet.good || packet.payload.size() != 1) return;
+  const ReplyCode code = reply_code(packet.payload[0]);
+  if (code == ReplyCode::ok || code == ReplyCode::heater_failure) done(Answer{query_, {}, code});
 }
 
 void Link::on_query_reply(const std::string& payload, double t) {
@@ -197,6 +217,10 @@ void Link::elapsed(double t) {
       return go_on(t);
     case Step::drain_wait:
       return drain(t);
+    case Step::insisting:
+      reader_.clear();
+      if (t >= insist_until_) return done(Dead{"the printer does not hear the abort"});
+      return say_again(t);
     case Step::idle:
       return;
   }

@@ -22,6 +22,7 @@ struct LinkTiming {
   double quiet_s = 0.03;
   double silence_s = 10;       ///< without any good reply: nobody is there
   double drain_poll_s = 0.05;  ///< between asks whether all is done
+  double insist_s = 2;         ///< so long an abort is said again
 };
 
 /// What became of a request.
@@ -68,8 +69,9 @@ class Link {
   /// Not sent again when its reply is lost: for what is no question. Then the code is generic_error.
   void ask_once(std::string payload, double t);
   void act(Action action, double t);
-  /// Sends and does not wait; what was under way is forgotten.
-  void shout(std::string_view payload);
+  /// Sends at once, whatever is under way, which is forgotten; and again after each silence until the
+  /// firmware has answered it with ok, or with heater_failure, after which it answers nothing else.
+  void insist(std::string payload, double t);
 
   void received(std::string_view bytes, double t);
   void elapsed(double t);
@@ -86,10 +88,11 @@ class Link {
  private:
   enum class Step {
     idle,
-    asking,     ///< for the caller's query, or one of our own: see why_
-    acting,     ///< a command is out
-    quiet,      ///< nothing is sent until the line has been quiet
-    drain_wait  ///< until asking again whether all is done
+    asking,      ///< for the caller's query, or one of our own: see why_
+    acting,      ///< a command is out
+    quiet,       ///< nothing is sent until the line has been quiet
+    drain_wait,  ///< until asking again whether all is done
+    insisting
   };
   enum class Why { caller, line_before, free, line_after, finished, position };
 
@@ -99,6 +102,8 @@ class Link {
   void on_packet(const Packet& packet, double t);
   void on_query_reply(const std::string& payload, double t);
   void on_action_reply(ReplyCode code, double t);
+  void on_insisted(const Packet& packet, double t);
+  void say_again(double t);
   void on_inner_answer(const std::string& data, double t);
   void disturbed(double t);
   void go_on(double t);
@@ -123,10 +128,12 @@ class Link {
   std::optional<Action> action_;
   bool once_ = false;  ///< the caller's query must not be sent again
   bool in_doubt_ = false;
+  bool owed_ = false;  ///< a reply to what was under way when it became urgent
   int failures_ = 0;  ///< of the request under way, in a row
   int glances_ = 0;
   Glance glance_;
-  double due_t_ = 0;
+  double due_t_ = 0, insist_until_ = 0;
+  std::size_t packet_bytes_ = 0;  ///< of the one sent last
   double good_t_ = 0;  ///< when the last undamaged reply came
   std::uint64_t packets_sent_ = 0, bytes_sent_ = 0, resends_ = 0;
 };

@@ -277,21 +277,97 @@ TEST_CASE("a cancel while paused is heard too", "[s3g]") {
   CHECK_FALSE(bench.driver.closing());
 }
 
-TEST_CASE("the emergency stop is heard in the middle of a packet", "[s3g]") {
+TEST_CASE("a cancel while paused is said until it is heard, and has failed if it never is", "[s3g]") {
+  for (const double silence_s : {0.3, 1e6}) {
+    mock::S3gOptions o = real_wire();
+    mock::Fault fault;
+    fault.kind = mock::FaultKind::kSilence;
+    fault.trigger = mock::FaultTrigger::kTime;
+    fault.at = 200;
+    fault.seconds = silence_s;
+    o.faults = {fault};
+    S3gBench bench(o);
+    REQUIRE(bench.connect());
+    bench.print(kStart + moves(3000) + kEnd);
+    bench.run_for(190 - bench.t);
+    bench.driver.pause();
+    REQUIRE(bench.run_until([&] { return bench.mock.paused(); }, 5));
+    bench.run_for(200.01 - bench.t);
+    bench.driver.cancel("user", bench.t);
+    REQUIRE(bench.run_until([&] { return bench.over(); }, 5));
+    if (silence_s < 1) {
+      CHECK(bench.count<PrintCancelled>() == 1);
+      CHECK(bench.mock.aborts() >= 1);
+      CHECK(bench.mock.hotend().target() == 0);
+      CHECK_FALSE(bench.driver.closing());
+    } else {
+      CHECK_THAT(bench.failure(), Catch::Contains("does not hear"));
+      CHECK(bench.count<Disconnected>() == 1);
+      CHECK(bench.driver.closing());
+    }
+  }
+}
+
+TEST_CASE("the emergency stop goes out at once, and goes around a packet under way", "[s3g]") {
+  S3gBench whole(real_wire());
+  REQUIRE(whole.connect());
+  whole.print(kStart + moves(300));
+  REQUIRE(whole.run_until([&] { return whole.executed.size() > 100; }));
+  const double begun = whole.t;
+  // Wherever in an exchange of packets it comes.
+  for (int i = 0; i < 40; ++i) {
+    S3gBench bench(real_wire());
+    REQUIRE(bench.connect());
+    bench.print(kStart + moves(300));
+    bench.run_for(begun - bench.t);
+    const double until = bench.t + i * 0.00017;
+    bench.run_for(until - bench.t);
+    const double asked = bench.t;
+    bench.driver.halt("button", bench.t);
+    CHECK(bench.driver.output().ends_with(s3g::frame("\x07")));
+    INFO(asked - begun << " s into it");
+    REQUIRE(bench.run_until([&] { return bench.mock.aborts() > 0; }, 5));
+    CHECK(bench.t - asked < 0.01);
+    CHECK(bench.mock.drained());
+    REQUIRE(bench.run_until([&] { return bench.driver.closing(); }, 5));
+    CHECK(bench.failure() == "button");
+    CHECK(bench.driver.finished());
+  }
+}
+
+TEST_CASE("the emergency stop ends a packet that has begun to leave", "[s3g]") {
   S3gBench bench(real_wire());
   REQUIRE(bench.connect());
   bench.print(kStart + moves(300));
   REQUIRE(bench.run_until([&] { return bench.executed.size() > 100; }));
-  // Half a packet has left; the rest is thrown away.
+  REQUIRE(bench.run_until([&] { return bench.driver.output().size() > 20; }));
+  const std::string packet = bench.driver.output();
+  bench.driver.output().erase(0, 12);
+  bench.mock.feed(packet.substr(0, 12));
+  const double asked = bench.t;
+  bench.driver.halt("button", bench.t);
+  CHECK(bench.driver.output() == packet.substr(12) + s3g::frame("\x07"));
+  REQUIRE(bench.run_until([&] { return bench.mock.aborts() > 0; }, 5));
+  CHECK(bench.t - asked < 0.01);
+  // One of which nothing has left stays here.
+  S3gBench other(real_wire());
+  REQUIRE(other.connect());
+  other.print(kStart + moves(300));
+  REQUIRE(other.run_until([&] { return other.driver.output().size() > 20; }));
+  other.driver.halt("button", other.t);
+  CHECK(other.driver.output() == s3g::frame("\x07"));
+}
+
+TEST_CASE("the emergency stop is heard when a packet's rest was lost", "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  bench.print(kStart + moves(300));
+  REQUIRE(bench.run_until([&] { return bench.executed.size() > 100; }));
   bench.mock.feed(s3g::frame(std::string(32, 'x')).substr(0, 12));
   const double asked = bench.t;
   bench.driver.halt("button", bench.t);
-  CHECK(bench.driver.take_urgent());
   REQUIRE(bench.run_until([&] { return bench.mock.aborts() > 0; }, 5));
-  CHECK(bench.t - asked < 0.01);
-  CHECK(bench.mock.drained());
-  REQUIRE(bench.run_until([&] { return bench.driver.closing(); }, 5));
-  CHECK(bench.failure() == "button");
+  CHECK(bench.t - asked < 0.3);
 }
 
 TEST_CASE("a heater that fails ends the print with that reason", "[s3g]") {
@@ -363,7 +439,8 @@ TEST_CASE("silence in mid-print ends it with a reason", "[s3g]") {
   REQUIRE(bench.connect());
   REQUIRE(bench.print_through(kStart + moves(3000)));
   CHECK_THAT(bench.failure(), Catch::Contains("no longer answers"));
-  CHECK(bench.driver.closing());
+  CHECK(bench.count<Disconnected>() == 1);
+  CHECK(bench.run_until([&] { return bench.driver.closing(); }, 3));
 }
 
 TEST_CASE("a short silence is waited out", "[s3g]") {

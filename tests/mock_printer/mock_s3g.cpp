@@ -12,6 +12,7 @@ constexpr HeaterGuard kBedGuard{60, 2, 20, 2};
 /// A packet that does not go on for so long is given up, s.
 constexpr double kPacketTimeout = 0.2;
 constexpr std::size_t kLongestPacket = 32;
+constexpr double kBitsPerByte = 10;  ///< 8N1
 /// A heater this near its target counts as there, °C.
 constexpr double kReached = 2;
 
@@ -50,8 +51,7 @@ MockS3g::MockS3g(const S3gOptions& options)
 void MockS3g::reset() {
   ++totals_.resets;
   stop_all();
-  packet_state_ = 0;
-  packet_begun_ = -1;
+  forget_packet();
   line_ = 0;
   build_ = 0;
   paused_ = cancel_note_ = heat_shutdown_ = false;
@@ -97,35 +97,62 @@ void MockS3g::receive(char c) {
       continue;
     }
     packet_byte(one);
+    look_at_packet();
   }
 }
 
 void MockS3g::packet_byte(char c) {
   const auto value = static_cast<unsigned char>(c);
   switch (packet_state_) {
-    case 0:
-      if (value == 0xD5) packet_state_ = 1, packet_begun_ = now_;
+    case Reading::start:
+      if (value != 0xD5) return refuse_packet(0);
+      packet_state_ = Reading::length;
+      packet_begun_ = now_;
       return;
-    case 1:
-      if (value == 0xD5) return;
+    case Reading::length:
+      if (value > kLongestPacket) return refuse_packet(4);
       packet_length_ = value;
       packet_.clear();
-      packet_state_ = 2;
-      if (value > kLongestPacket) packet_state_ = 0, reply_code(4);
-      if (value == 0) packet_state_ = 0;
+      packet_state_ = value > 0 ? Reading::payload : Reading::crc;
       return;
-    case 2:
+    case Reading::payload:
       packet_ += c;
-      if (packet_.size() == packet_length_) packet_state_ = 3;
+      if (packet_.size() == packet_length_) packet_state_ = Reading::crc;
       return;
-    default:
-      packet_state_ = 0;
+    case Reading::crc:
       ++totals_.lines;
       if (value != checksum(packet_)) {
         ++totals_.resends;
-        return reply_code(3);
+        return refuse_packet(3);
       }
-      return handle_packet(std::string(packet_));
+      packet_state_ = Reading::done;
+      return;
+    case Reading::done:
+      return;
+  }
+}
+
+void MockS3g::refuse_packet(unsigned code) {
+  packet_error_ = code;
+  packet_state_ = Reading::start;
+}
+
+void MockS3g::forget_packet() {
+  packet_error_.reset();
+  packet_state_ = Reading::start;
+}
+
+/// What has been read is looked at only while no reply is being sent. An error forgets the packet in
+/// progress, even one that began behind it.
+void MockS3g::look_at_packet() {
+  if (now_ < sending_until_) return;
+  if (packet_error_) {
+    const unsigned code = *packet_error_;
+    forget_packet();
+    reply_code(code);
+  } else if (packet_state_ == Reading::done) {
+    packet_state_ = Reading::start;
+    handle_packet(std::string(packet_));
   }
 }
 
@@ -145,6 +172,7 @@ void MockS3g::handle_packet(const std::string& payload) {
     cancel_note_ = false;
     return reply_code(9);
   }
+  if (payload.empty()) return reply_code(5);
   if (static_cast<unsigned char>(payload[0]) < 128) {
     answer_query(payload);
   } else {
@@ -251,6 +279,8 @@ void MockS3g::answer_query(const std::string& payload) {
 void MockS3g::reply(std::string_view payload) {
   std::string framed = byte(0xD5) + byte(static_cast<unsigned>(payload.size())) + std::string(payload) +
                        byte(checksum(payload));
+  if (options_.baud > 0)
+    sending_until_ = now_ + kBitsPerByte / options_.baud * static_cast<double>(framed.size());
   if (!faults_.none()) {
     for (const Fault& fault : faults_.at_ok()) {
       if (fault.kind == FaultKind::kLoseOk) {
@@ -286,7 +316,7 @@ void MockS3g::apply(const Fault& fault) {
       return;
     case FaultKind::kSilence:
       silent_until_ = now_ + fault.seconds;
-      packet_state_ = 0;
+      forget_packet();
       return;
     case FaultKind::kSlow:
       slow_commands_ = fault.lines;
@@ -345,7 +375,8 @@ double MockS3g::next_event() const {
       std::min({wire_in_.next(), wire_out_.next_complete(), motion_.next_event(), faults_.next_time()});
   if (now_ < boot_until_) next = std::min(next, boot_until_);
   if (silent_until_ > now_) next = std::min(next, silent_until_);
-  if (packet_state_ != 0) next = std::min(next, packet_begun_ + kPacketTimeout);
+  if (is_reading()) next = std::min(next, packet_begun_ + kPacketTimeout);
+  if (packet_error_ || packet_state_ == Reading::done) next = std::min(next, sending_until_);
   const bool runs = !paused_ && !heat_shutdown_ && now_ >= boot_until_ && now_ >= silent_until_;
   if (until_ >= 0 && runs) next = std::min(next, until_);
   if (resume_at_ >= 0) next = std::min(next, resume_at_);
@@ -367,10 +398,8 @@ void MockS3g::advance_to(double time) {
 }
 
 void MockS3g::fire_due() {
-  if (packet_state_ != 0 && now_ >= packet_begun_ + kPacketTimeout) {
-    packet_state_ = 0;
-    reply_code(0x0C);
-  }
+  if (is_reading() && now_ >= packet_begun_ + kPacketTimeout) refuse_packet(0x0C);
+  look_at_packet();
   while (!wire_in_.empty() && wire_in_.next() <= now_) receive(wire_in_.pop());
   for (const Fault& fault : faults_.at_time(now_)) apply(fault);
   motion_.update(now_);
@@ -398,7 +427,8 @@ std::string MockS3g::take_output() { return std::exchange(ready_out_, {}); }
 std::optional<double> MockS3g::take_unplug() { return std::exchange(unplug_, {}); }
 
 bool MockS3g::waits_for_host() const {
-  if (now_ < boot_until_ || now_ < silent_until_ || packet_state_ != 0) return false;
+  if (now_ < boot_until_ || now_ < silent_until_) return false;
+  if (is_reading() || packet_error_ || packet_state_ == Reading::done) return false;
   if (!wire_in_.empty() || !wire_out_.empty() || !ready_out_.empty()) return false;
   // With a full queue or a command that takes its time, more input would change nothing.
   return mode_ == Mode::ready && !paused_ && !card_ && queue_.empty() && !motion_.full();

@@ -59,11 +59,16 @@ class MockS3g final : public Firmware {
 
  private:
   enum class Mode { ready, timed, wait_tool, wait_bed };
+  enum class Reading { start, length, payload, crc, done };
 
   // mock_s3g.cpp: the wire, packets and queries
   void fire_due();
   void receive(char byte);
   void packet_byte(char byte);
+  void refuse_packet(unsigned code);
+  void forget_packet();
+  void look_at_packet();
+  bool is_reading() const { return packet_state_ != Reading::start && packet_state_ != Reading::done; }
   void handle_packet(const std::string& payload);
   void answer_query(const std::string& payload);
   std::string tool_answer(const std::string& payload) const;
@@ -102,10 +107,12 @@ class MockS3g final : public Firmware {
   std::function<void(const std::string&)> payloads_;
 
   // the packet being read
-  int packet_state_ = 0;
+  Reading packet_state_ = Reading::start;
   std::size_t packet_length_ = 0;
   std::string packet_;
   double packet_begun_ = -1;
+  std::optional<unsigned> packet_error_;  ///< code of a refusal that is due
+  double sending_until_ = -1;
 
   std::deque<std::string> queue_;
   std::size_t queue_bytes_ = 0;

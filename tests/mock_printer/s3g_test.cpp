@@ -66,6 +66,27 @@ TEST_CASE("a damaged packet is told, one that does not go on is given up after 0
   CHECK(say(printer, {0xD5, 1, 2, 0xBC}).size() == 8);
 }
 
+TEST_CASE("noise between packets costs what comes while its refusal is sent", "[s3g]") {
+  const std::string abort = packet(bytes({7}));
+  const auto hears_behind = [&](std::size_t zeros, double silence) {
+    S3gOptions wired;
+    wired.baud = 115200;
+    MockS3g printer(wired);
+    printer.feed(std::string(zeros, '\0'));
+    if (silence > 0) printer.advance_to(printer.now() + silence);
+    printer.feed(abort);
+    printer.advance_to(printer.now() + 1);
+    return printer.aborts() == 1;
+  };
+  CHECK(hears_behind(0, 0));
+  CHECK_FALSE(hears_behind(35, 0));
+  CHECK(hears_behind(35, 0.02));
+  MockS3g printer;
+  CHECK(say(printer, {0}) == packet(bytes({0x80})));
+  CHECK(say(printer, {0xD5, 0xD5}) == packet(bytes({0x84})));
+  CHECK(say(printer, {0xD5, 1, 2, 0xBC}).size() == 8);
+}
+
 TEST_CASE("what must never be sent is kept as a violation", "[s3g]") {
   const auto violations = [](const std::string& payload) {
     MockS3g printer;
