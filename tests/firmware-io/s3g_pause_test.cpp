@@ -140,3 +140,52 @@ TEST_CASE("what an earlier session left running is waited for", "[s3g]") {
   REQUIRE(bench.count<PrintFinished>() == 1);
   check_executed(bench, file);
 }
+
+TEST_CASE("a pause that waits its turn ends with its print", "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  bench.print(kStart + moves(300) + kEnd);
+  REQUIRE(bench.run_until([&] { return bench.executed.size() > 60; }));
+  const double begun = bench.t;
+  const auto at = [&](double seconds) { bench.run_for(begun + seconds - bench.t); };
+  bench.driver.pause();
+  at(2.1);
+  bench.driver.resume(bench.t);
+  at(2.5);
+  // Too soon after the last: held back.
+  bench.driver.pause();
+  at(3);
+  CHECK_FALSE(bench.mock.paused());
+  bench.driver.cancel("user", bench.t);
+  REQUIRE(bench.run_until([&] { return bench.over(); }, 5));
+  bench.run_for(30);
+  CHECK_FALSE(bench.mock.paused());
+  bench.forget_events();
+  bench.executed.clear();
+  const Lines file = kStart + moves(20) + kEnd;
+  REQUIRE(bench.print_through(file));
+  CHECK(bench.count<PrintFinished>() == 1);
+  CHECK(bench.count<Paused>() == 0);
+  check_executed(bench, file);
+}
+
+TEST_CASE("a cancel at any moment of a pause leaves no printer paused", "[s3g]") {
+  for (const double after_s : {0.0, 0.001, 0.003, 0.005, 0.01, 0.02, 0.5, 2.5}) {
+    S3gBench bench(real_wire());
+    REQUIRE(bench.connect());
+    bench.print(kStart + moves(300) + kEnd);
+    REQUIRE(bench.run_until([&] { return bench.executed.size() > 60; }));
+    bench.driver.pause();
+    if (after_s > 0) bench.run_for(after_s);
+    bench.driver.cancel("user", bench.t);
+    INFO("cancelled " << after_s << " s after the pause");
+    REQUIRE(bench.run_until([&] { return bench.over(); }, 5));
+    CHECK(bench.count<PrintCancelled>() == 1);
+    bench.run_for(30);
+    CHECK_FALSE(bench.mock.paused());
+    CHECK(bench.mock.hotend().target() == 0);
+    bench.forget_events();
+    REQUIRE(bench.print_through(kStart + moves(20) + kEnd));
+    CHECK(bench.count<PrintFinished>() == 1);
+  }
+}
