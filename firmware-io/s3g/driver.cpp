@@ -136,7 +136,8 @@ void Driver::pump(double t) {
     return;
   }
   if (phase_ != Phase::ready) return;
-  schedule_polls(t);
+  if (link_.idle() || link_.draining()) schedule_polls(t);
+  if (link_.draining()) pump_aside(t);
   while (link_.idle() && pump_ready(t)) {
     take_outcomes(t);
     if (phase_ != Phase::ready) return;
@@ -151,8 +152,31 @@ double Driver::toggle_t() const noexcept {
   return toggled_t_ + kToggleAgain_s;
 }
 
+// What cannot wait until a command's fate shows.
+void Driver::pump_aside(double t) {
+  // A glance would be at one command too many.
+  if (std::exchange(glance_step_, 0) != 0) {
+    polls_.clear();
+    build_t_ = poll_t_ = t;
+    schedule_polls(t);
+  }
+  if (job_ && job_->stopping()) {
+    link_.give_up();
+    job_->take_back();
+    return;
+  }
+  polled_last_ = false;
+  pump_query(t);
+}
+
 // The next packet; false when there is none to send.
 bool Driver::pump_ready(double t) {
+  if (pump_query(t)) return true;
+  polled_last_ = false;
+  return pump_action(t) || !polls_.empty();
+}
+
+bool Driver::pump_query(double t) {
   asked_by_job_ = asked_room_ = false;
   if (t >= toggle_t()) {
     toggled_t_ = t;
@@ -167,8 +191,7 @@ bool Driver::pump_ready(double t) {
     polls_.pop_front();
     return true;
   }
-  polled_last_ = false;
-  return pump_action(t) || !polls_.empty();
+  return false;
 }
 
 bool Driver::pump_action(double t) {
@@ -249,7 +272,7 @@ void Driver::print(std::unique_ptr<LineSource> source, double t) {
     emit(PrintFailed{job_ ? "a print is already running" : "the printer is not connected"});
     return;
   }
-  stats_t_ = t;
+  stats_t_ = build_t_ = t;
   before_print_ = link_stats();
   encoder_.restart();
   wants_paused_ = toggle_pending_ = seen_running_ = false;

@@ -78,6 +78,8 @@ class Driver final : public Dialogue {
   void check_panel(double t);
   void pump(double t);
   bool pump_ready(double t);
+  bool pump_query(double t);
+  void pump_aside(double t);
   bool pump_action(double t);
   void want_paused(bool paused);
   double toggle_t() const noexcept;

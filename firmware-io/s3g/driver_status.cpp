@@ -101,7 +101,8 @@ void Driver::become_ready(double t) {
 
 void Driver::schedule_polls(double t) {
   if (!polls_.empty()) return;
-  if (job_ && link_.account().wants_check() && t >= glance_t_ + kGlancePause_s && glance_step_ == 0) {
+  if (job_ && !link_.draining() && link_.account().wants_check() && t >= glance_t_ + kGlancePause_s &&
+      glance_step_ == 0) {
     glance_t_ = t;
     glance_step_ = 1;
     for (const Query query : {Query::build, Query::free_buffer, Query::build}) {

@@ -43,6 +43,7 @@ void Link::restart(double t) {
   outcome_.reset();
   action_.reset();
   step_ = Step::idle;
+  aside_ = false;
   failures_ = glances_ = 0;
   good_t_ = t;
 }
@@ -59,6 +60,7 @@ void Link::send(std::string_view payload, double t) {
 void Link::ask(std::string payload, std::size_t answer_bytes, double t) {
   failures_ = 0;
   good_t_ = std::max(good_t_, t);
+  aside_ = draining();
   step_ = Step::asking;
   why_ = Why::caller;
   once_ = false;
@@ -99,6 +101,7 @@ void Link::insist(std::string payload, double t) {
   if (!begun) output_.resize(output_.size() - packet_bytes_);
   owed_ = begun && (step_ == Step::asking || step_ == Step::acting);
   step_ = Step::insisting;
+  aside_ = false;
   query_ = std::move(payload);
   action_.reset();
   outcome_.reset();
@@ -112,10 +115,21 @@ void Link::say_again(double t) {
 }
 
 void Link::done(Outcome outcome) {
-  step_ = Step::idle;
-  action_.reset();
   failures_ = glances_ = 0;
   outcome_ = std::move(outcome);
+  if (std::exchange(aside_, false) && !std::holds_alternative<Dead>(*outcome_)) {
+    step_ = Step::drain_wait;
+    due_t_ = drain_t_;
+    return;
+  }
+  step_ = Step::idle;
+  action_.reset();
+}
+
+void Link::give_up() {
+  account_.lose_track();
+  step_ = Step::idle;
+  action_.reset();
 }
 
 std::optional<Outcome> Link::take() { return std::exchange(outcome_, {}); }
@@ -231,7 +245,7 @@ void Link::go_on(double t) {
   if (t >= good_t_ + timing_.silence_s) return done(Dead{"the printer no longer answers"});
   if (failures_ >= kMostFailures) return done(Dead{"the printer refuses one packet again and again"});
   ++resends_;
-  if (!action_) {
+  if (!action_ || aside_) {
     if (once_) return done(Answer{query_, {}, ReplyCode::generic_error});
     step_ = Step::asking;
     return send(query_, t);
@@ -258,7 +272,7 @@ void Link::on_inner_answer(const std::string& data, double t) {
     case Why::finished:
       if (!data.empty() && data[0] == 1) return send_query(Query::position, kPositionBytes, Why::position, t);
       step_ = Step::drain_wait;
-      due_t_ = t + timing_.drain_poll_s;
+      due_t_ = drain_t_ = t + timing_.drain_poll_s;
       return;
     case Why::position:
       return judge_position(data, t);

@@ -64,7 +64,11 @@ class Link {
   void restart(double t);
 
   bool idle() const noexcept { return step_ == Step::idle; }
-  /// Only when idle. `answer_bytes`: of a good reply, its code included; 0: any.
+  /// A command's fate will show when all is done, which may take long: queries go out meanwhile.
+  bool draining() const noexcept { return step_ == Step::drain_wait; }
+  /// Only when draining: that command is forgotten, whatever became of it.
+  void give_up();
+  /// Only when idle or draining. `answer_bytes`: of a good reply, its code included; 0: any.
   void ask(std::string payload, std::size_t answer_bytes, double t);
   /// Not sent again when its reply is lost: for what is no question. Then the code is generic_error.
   void ask_once(std::string payload, double t);
@@ -126,6 +130,8 @@ class Link {
   std::string query_;  ///< under way
   std::size_t answer_bytes_ = 0;
   std::optional<Action> action_;
+  bool aside_ = false;  ///< the caller's query goes between two of the drain's own
+  double drain_t_ = 0;
   bool once_ = false;  ///< the caller's query must not be sent again
   bool in_doubt_ = false;
   bool owed_ = false;  ///< a reply to what was under way when it became urgent

@@ -58,6 +58,8 @@ class PrintJob {
 
   bool over() const noexcept { return state_ == State::over; }
   bool ending() const noexcept { return state_ >= State::stopping; }
+  /// Ends, and what moves is still to be stopped.
+  bool stopping() const noexcept { return state_ == State::stopping; }
   bool paused() const noexcept { return paused_; }
   /// The printer has been told of it.
   bool begun() const noexcept { return begun_; }

@@ -189,3 +189,83 @@ TEST_CASE("a cancel at any moment of a pause leaves no printer paused", "[s3g]")
     CHECK(bench.count<PrintFinished>() == 1);
   }
 }
+
+namespace {
+
+const Lines kLongFile = Lines{"M136", "G92 X0 Y0 Z0", "M83", "M104 S100"} + moves(100) + kEnd;
+
+/// A print in which the reply to a move of filament was lost and only the rest will show what became of it.
+std::unique_ptr<S3gBench> print_with_a_doubt() {
+  for (double lost = 30; lost < 60; ++lost) {
+    mock::S3gOptions o = real_wire();
+    o.counts_lines = false;
+    mock::Fault fault;
+    fault.kind = mock::FaultKind::kLoseOk;
+    fault.trigger = mock::FaultTrigger::kOk;
+    fault.at = lost;
+    o.faults = {fault};
+    auto bench = std::make_unique<S3gBench>(o);
+    REQUIRE(bench->connect());
+    bench->print(kLongFile);
+    int asked = 0;
+    bench->on_output = [&](const std::string& bytes) {
+      const bool is_finished = bytes.find(s3g::frame(s3g::Payload(s3g::Query::finished).bytes())) == 0;
+      asked += is_finished && bench->mock.queued_bytes() > 200;
+    };
+    bench->run_until([&] { return asked > 2; }, 10);
+    bench->on_output = nullptr;
+    if (asked > 2) return bench;
+  }
+  FAIL("no such reply");
+  return nullptr;
+}
+
+}  // namespace
+
+TEST_CASE("a pause is heard while the fate of a command is open", "[s3g]") {
+  const auto bench = print_with_a_doubt();
+  bench->driver.pause();
+  REQUIRE(bench->run_until([&] { return bench->mock.paused(); }, 0.5));
+  bench->run_for(60);
+  CHECK(bench->mock.queued_bytes() > 0);
+  bench->driver.resume(bench->t);
+  REQUIRE(bench->run_until([&] { return bench->over(); }));
+  CHECK(bench->count<Paused>() == 1);
+  CHECK(bench->count<Resumed>() == 1);
+  CHECK(bench->count<PrintFinished>() == 1);
+  check_executed(*bench, kLongFile);
+}
+
+TEST_CASE("a pause at the panel is noticed while the fate of a command is open", "[s3g]") {
+  const auto bench = print_with_a_doubt();
+  bench->mock.press_pause();
+  REQUIRE(bench->run_until([&] { return bench->count<Paused>() == 1; }, 4));
+  bench->run_for(60);
+  CHECK(bench->count<Temperatures>() > 10);
+  SECTION("and goes on") {
+    bench->mock.press_pause();
+    REQUIRE(bench->run_until([&] { return bench->over(); }));
+    CHECK(bench->count<Resumed>() == 1);
+    CHECK(bench->count<PrintFinished>() == 1);
+    check_executed(*bench, kLongFile);
+  }
+  SECTION("and can be cancelled") {
+    bench->driver.cancel("user", bench->t);
+    REQUIRE(bench->run_until([&] { return bench->over(); }, 1));
+    bench->run_for(10);
+    CHECK(bench->mock.hotend().target() == 0);
+    CHECK(bench->mock.queued_bytes() == 0);
+  }
+}
+
+TEST_CASE("a cancel is heard while the fate of a command is open", "[s3g]") {
+  const auto bench = print_with_a_doubt();
+  const std::size_t before = bench->executed.size();
+  bench->driver.cancel("user", bench->t);
+  REQUIRE(bench->run_until([&] { return bench->over(); }, 1));
+  CHECK(bench->count<PrintCancelled>() == 1);
+  bench->run_for(10);
+  CHECK(bench->executed.size() < before + 8);
+  CHECK(bench->mock.hotend().target() == 0);
+  CHECK(bench->mock.aborts() == 0);
+}
