@@ -23,7 +23,8 @@ struct Meaning {
 Meaning meaning_of(std::string_view text) {
   // Nearly every line is a plain move.
   if (text.starts_with("G1 ") || text.starts_with("G0 ")) return {};
-  return {is_pause(text), is_heating_wait(text), is_long(text), is_homing(text) || may_wait_for_person(text)};
+  return {is_pause(text), is_heating_wait(text), is_long(text),
+          is_homing(text) || may_wait_for_person(text) || is_macro(text)};
 }
 
 }  // namespace

@@ -78,7 +78,7 @@ class PrintJob {
   double heard_t_ = 0;         ///< an ok, last
   bool started_ = false;
   bool heating_ = false;      ///< a heating wait is out
-  bool held_back_ = false;    ///< by a homing, a probing or a wait for a person that is out
+  bool held_back_ = false;    ///< by a homing, a probing, a macro or a wait for a person that is out
   bool motion_armed_ = true;  ///< no motion since the start or the last heating wait
   std::deque<std::string> ending_lines_;
   std::size_t ending_unacknowledged_ = 0;

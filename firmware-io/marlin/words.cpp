@@ -14,6 +14,8 @@ bool is_m_of(std::string_view command, const int (&numbers)[N]) noexcept {
          std::find(std::begin(numbers), std::end(numbers), word.number) != std::end(numbers);
 }
 
+bool is_letter(char c) noexcept { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_'; }
+
 }  // namespace
 
 Word first_word(std::string_view command) noexcept {
@@ -46,9 +48,14 @@ bool may_wait_for_person(std::string_view command) noexcept {
   return is_m_of(command, kWaits);
 }
 
+bool is_macro(std::string_view command) noexcept {
+  return command.size() > 1 && is_letter(command[0]) && is_letter(command[1]);
+}
+
 bool is_long(std::string_view command) noexcept {
   static constexpr int kLongG[] = {4, 32};
   static constexpr int kLongM[] = {0, 1, 48, 303, 400};
+  if (is_macro(command)) return true;
   const Word word = first_word(command);
   if (word.letter == 'G')
     return is_homing(command) ||

@@ -52,6 +52,43 @@ TEST_CASE("a print on Klipper waits out a heating longer than any patience, and 
   CHECK(doubts(bench) == 0);
 }
 
+TEST_CASE("a word that stands for many commands is waited for, whatever it says meanwhile", "[klipper]") {
+  mock::Options options = klipper().instant_moves().cold_extrusion().build();
+  options.bed = {.ambient = 25, .full_power = 1000, .time_constant = 26600, .maximum = 120};  // 16 minutes
+  options.leveling_s = 1200;
+  MockBench bench(options);
+  REQUIRE(bench.connect());
+  const std::string word = GENERATE("START_PRINT BED=60", "BED_MESH_CALIBRATE", "QUAD_GANTRY_LEVEL");
+  CAPTURE(word);
+  std::vector<std::string> file = moves(40);
+  if (word.starts_with("START"))
+    file.front() = word;  // which homes
+  else
+    file.insert(file.begin() + 30, word);
+  bench.print(file);
+  REQUIRE(bench.run_until([&] { return bench.over(); }, 5000));
+  CHECK(bench.count<PrintFinished>() == 1);
+  CHECK_FALSE(bench.printer.halted());
+  CHECK(bench.printer.statistics().unknown == 0);
+}
+
+TEST_CASE("the first motion behind a word that stands for many commands is timed when it can begin",
+          "[klipper]") {
+  MockBench bench(klipper().instant_moves().cold_extrusion().build());
+  REQUIRE(bench.connect());
+  std::vector<std::string> file = moves(40);
+  file.front() = "START_PRINT BED=60";
+  double ended = 0;
+  bench.on_input = [&](const std::string&) {
+    if (ended == 0 && bench.log.back().starts_with("G1")) ended = bench.t();
+  };
+  bench.print(file);
+  REQUIRE(bench.run_until([&] { return bench.over(); }, 500));
+  REQUIRE(bench.count<MotionStarted>() == 1);
+  for (const Event& event : bench.events)
+    if (std::holds_alternative<MotionStarted>(event.what)) CHECK(event.at_s > ended - 1);
+}
+
 TEST_CASE("what Klipper will not do pauses the print with its reason", "[klipper]") {
   MockBench bench(klipper().instant_moves().build());
   REQUIRE(bench.connect());

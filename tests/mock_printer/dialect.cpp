@@ -112,7 +112,8 @@ Dialect klipper() {
   d.commands = {"G0",   "G1",   "G4",   "G28",  "G90",  "G91",  "G92",  "M18",  "M82",
                 "M83",  "M84",  "M104", "M105", "M106", "M107", "M109", "M110", "M112",
                 "M114", "M115", "M117", "M118", "M119", "M140", "M190", "M204", "M220",
-                "M221", "M400", "M73",  "G2",   "G3",   "G21",  "T0"};
+                "M221", "M400", "M73",  "G2",   "G3",   "G21",  "T0",   "START_PRINT",
+                "BED_MESH_CALIBRATE",   "QUAD_GANTRY_LEVEL"};
   d.unknown = "// Unknown command:";
   d.quotes_word_only = true;
   return d;

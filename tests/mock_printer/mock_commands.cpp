@@ -38,7 +38,7 @@ void MockMarlin::execute(const Command& command) {
   const auto& known = options_.dialect.commands;
   const bool knows = known.empty() || std::find(known.begin(), known.end(), word) != known.end();
   if (knows && (execute_motion(command) || execute_heat(command) || execute_settings(command) ||
-                execute_host(command)))
+                execute_host(command) || execute_macro(command)))
     return;
   ++totals_.unknown;
   write_line(options_.dialect.unknown + '"' + (options_.dialect.quotes_word_only ? word : command.text()) +
@@ -225,6 +225,32 @@ bool MockMarlin::execute_host(const Command& c) {
     default:
       return false;
   }
+}
+
+/// Words that stand for many commands, with one ok behind all of them.
+bool MockMarlin::execute_macro(const Command& c) {
+  if (c.text().starts_with("START_PRINT")) {
+    constexpr double kBed = 60;
+    home(Command("G28"));
+    after_drain([this] {
+      bed_.set_target(now_, kBed);
+      heat_wait_ = true;
+    });
+    tasks_.push_back({.kind = Task::Kind::kHeat, .heat = HeatWait(true, false)});
+    return true;
+  }
+  if (c.text() == "QUAD_GANTRY_LEVEL") {
+    tasks_.push_back({.kind = Task::Kind::kDwell, .seconds = options_.leveling_s});
+    return true;
+  }
+  if (c.text() != "BED_MESH_CALIBRATE") return false;
+  constexpr double kProbe_s = 5;
+  for (double s = 0; s < options_.leveling_s; s += kProbe_s) {
+    tasks_.push_back({.kind = Task::Kind::kDwell, .seconds = kProbe_s});
+    tasks_.push_back(
+        {.kind = Task::Kind::kCall, .action = [this] { write_line("// probe at 110.000,110.000 is z=0.05"); }});
+  }
+  return true;
 }
 
 void MockMarlin::pause_for_user(std::string_view action) {

@@ -133,6 +133,7 @@ class MockMarlin final : public Firmware {
   bool execute_heat(const Command& command);
   bool execute_settings(const Command& command);
   bool execute_host(const Command& command);
+  bool execute_macro(const Command& command);
   void move(const Command& command);
   void arc(const Command& command, bool clockwise);
   void home(const Command& command);
