@@ -90,7 +90,7 @@ void Driver::take_outcomes(double t) {
     } else if (auto* no_room = std::get_if<NoRoom>(&*outcome)) {
       hold(no_room->action, t);
     } else if (const auto* refused = std::get_if<Refused>(&*outcome)) {
-      on_refused(*refused, t);
+      on_refused(*refused);
     } else {
       on_dead(std::get<Dead>(*outcome), t);
     }
@@ -99,19 +99,18 @@ void Driver::take_outcomes(double t) {
   }
 }
 
-void Driver::on_refused(const Refused& refused, double t) {
-  (void)t;
+void Driver::on_refused(const Refused& refused) {
   const std::string command = hex(refused.action.payload.substr(0, 1));
   switch (refused.code) {
     case ReplyCode::cancelled:
-      emit(Message{"cancelled at the printer's panel"});
-      return drop_job(PrintCancelled{});
+      told_cancelled_ = true;  // and what more it says is asked next
+      return;
     case ReplyCode::busy:
       return drop_job(
           PrintFailed{"the printer is busy with a print from its own card or a script of its own"});
     case ReplyCode::heater_failure:
-      return drop_job(
-          PrintFailed{"the printer has shut its heaters down: a heater or its sensor has failed"});
+      if (!job_) return disconnect(kHeatersShut);
+      return drop_job(PrintFailed{kHeatersShut});
     default:
       emit(Message{"the printer's firmware does not know command " + command});
       if (!act_by_job_ || !job_) return;
@@ -178,6 +177,10 @@ bool Driver::pump_ready(double t) {
 
 bool Driver::pump_query(double t) {
   asked_by_job_ = asked_room_ = false;
+  if (told_cancelled_) {
+    ask({Payload(Query::board_status).bytes(), 2}, t);
+    return true;
+  }
   if (t >= toggle_t()) {
     toggled_t_ = t;
     build_t_ = t;
@@ -255,6 +258,7 @@ void Driver::forget_sending() {
   held_.reset();
   room_.reset();
   glance_step_ = 0;
+  told_cancelled_ = false;
 }
 
 std::vector<std::string> Driver::heaters_off() const {
@@ -275,7 +279,7 @@ void Driver::print(std::unique_ptr<LineSource> source, double t) {
   stats_t_ = build_t_ = t;
   before_print_ = link_stats();
   encoder_.restart();
-  wants_paused_ = toggle_pending_ = seen_running_ = false;
+  wants_paused_ = toggle_pending_ = seen_running_ = told_cancelled_ = false;
   job_ = std::make_unique<PrintJob>(std::move(source), encoder_, [this](auto what) {
     const bool last = std::holds_alternative<PrintFinished>(what) ||
                       std::holds_alternative<PrintCancelled>(what) ||
@@ -330,8 +334,8 @@ void Driver::abort_job(decltype(Event::what) outcome, double t) {
 
 void Driver::on_aborted(ReplyCode code, double t) {
   if (code != ReplyCode::ok) {
-    on_refused({{}, code}, t);
-    return disconnect("the printer has shut its heaters down");
+    on_refused({{}, code});
+    return disconnect(kHeatersShut);
   }
   drop_job(job_->outcome());
   phase_ = Phase::greeting;

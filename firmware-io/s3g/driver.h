@@ -24,6 +24,9 @@ struct DriverOptions {
   std::vector<std::string> cancel_gcode;
 };
 
+inline constexpr char kHeatersShut[] =
+    "the printer has shut its heaters down: a heater or its sensor has failed";
+
 /// The S3G side of a session: who is there, what it says of itself, and a print. See Dialogue.
 class Driver final : public Dialogue {
  public:
@@ -72,7 +75,8 @@ class Driver final : public Dialogue {
   void on_status(const Answer& answer, double t);
   void on_tool_answer(const Answer& answer);
   void on_build(const Answer& answer, double t);
-  void on_refused(const Refused& refused, double t);
+  void on_cancelled(const Answer& answer);
+  void on_refused(const Refused& refused);
   void on_dead(const Dead& dead, double t);
   void on_aborted(ReplyCode code, double t);
   void check_panel(double t);
@@ -122,6 +126,7 @@ class Driver final : public Dialogue {
   std::map<std::string, Temperature> sensors_;
   std::string last_loss_;
   bool connected_ = false;
+  bool told_cancelled_ = false;  ///< by the printer, which says so as well before it owns up to dead heaters
   double poll_t_ = 0, build_t_ = 0, stats_t_ = 0, glance_t_ = 0;
 
   bool wants_paused_ = false;  ///< the printer should stand still

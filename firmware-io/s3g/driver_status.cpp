@@ -75,6 +75,7 @@ void Driver::greet(double t) {
 void Driver::on_identity(const Answer& answer, double t) {
   const Query query = query_of(answer);
   const bool good = answer.code == ReplyCode::ok;
+  if (answer.code == ReplyCode::heater_failure) return disconnect(kHeatersShut);
   if (query == Query::version) {
     if (!good || answer.data.size() + 1 != kVersionBytes) return;  // greeted again
     firmware_.name = "MakerBot " + version_text(little_endian(answer.data, 0, 2));
@@ -134,10 +135,10 @@ void Driver::on_answer(const Answer& answer, double t) {
   if (phase_ == Phase::aborting) return on_aborted(answer.code, t);
   if (phase_ == Phase::halted) phase_ = Phase::closed;
   if (phase_ != Phase::ready) return;
-  if (answer.code == ReplyCode::cancelled || answer.code == ReplyCode::heater_failure) {
-    return on_refused({{}, answer.code}, t);
-  }
-  if (tells_of_heater_failure(answer)) return on_refused({{}, ReplyCode::heater_failure}, t);
+  if (answer.code == ReplyCode::heater_failure) return on_refused({{}, answer.code});
+  if (job_ && tells_of_heater_failure(answer)) return drop_job(PrintFailed{kHeatersShut});
+  if (told_cancelled_) return on_cancelled(answer);
+  if (answer.code == ReplyCode::cancelled) return on_refused({{}, answer.code});
   if (asked_room_) return on_room(answer, t);
   if (asked_by_job_) {
     if (job_) job_->on_answer(answer, t);
@@ -145,6 +146,14 @@ void Driver::on_answer(const Answer& answer, double t) {
   }
   if (answer.code == ReplyCode::ok) on_status(answer, t);
   if (answer.code != ReplyCode::ok && glance_step_ != 0 && query_of(answer) == Query::build) glance_step_ = 0;
+}
+
+// What was said after the printer told of a cancel: it was one.
+void Driver::on_cancelled(const Answer& answer) {
+  if (query_of(answer) != Query::board_status) return;
+  told_cancelled_ = false;
+  emit(Message{"cancelled at the printer's panel"});
+  drop_job(PrintCancelled{});
 }
 
 void Driver::on_status(const Answer& answer, double t) {
@@ -208,7 +217,7 @@ void Driver::on_build(const Answer& answer, double t) {
   } else if (build_ == BuildState::none && seen_running_) {
     return drop_job(PrintFailed{"the printer restarted in mid-print"});
   } else if (build_ == BuildState::cancelled && seen_running_ && !job_->ending()) {
-    return on_refused({{}, ReplyCode::cancelled}, t);
+    return on_refused({{}, ReplyCode::cancelled});
   }
   check_panel(t);
 }

@@ -215,9 +215,9 @@ TEST_CASE("heaters shut down with nothing left to send are noticed before the pr
   bench.print(kStart + moves(30) + kEnd);
   // The last answer to the board's status is from before, and all has been queued.
   REQUIRE(bench.run_until([&] { return bench.count<LineDone>() > 30 && bench.mock.queued_bytes() > 0; }));
-  bench.each_step = [&] {
-    if (bench.mock.drained() && bench.mock.queued_bytes() == 0) bench.mock.shut_heaters_down();
-  };
+  REQUIRE(bench.run_until([&] { return bench.mock.drained() && bench.mock.queued_bytes() == 0; }));
+  REQUIRE_FALSE(bench.over());
+  bench.mock.shut_heaters_down();
   REQUIRE(bench.run_until([&] { return bench.over(); }));
   CHECK(bench.count<PrintFinished>() == 0);
   CHECK(bench.failure().find("heaters") != std::string::npos);
@@ -381,6 +381,41 @@ TEST_CASE("a heater that fails ends the print with that reason", "[s3g]") {
   REQUIRE(bench.connect());
   REQUIRE(bench.print_through(kStart + moves(3000) + kEnd));
   CHECK_THAT(bench.failure(), Catch::Contains("heater"));
+}
+
+TEST_CASE("heaters shut down at any moment fail the print, and nobody takes it for a cancel", "[s3g]") {
+  for (int i = 0; i < 30; ++i) {
+    S3gBench bench(real_wire());
+    REQUIRE(bench.connect());
+    bench.print(kStart + moves(300) + kEnd);
+    REQUIRE(bench.run_until([&] { return bench.executed.size() > 100; }));
+    bench.run_for(i * 0.0013);
+    bench.mock.shut_heaters_down();
+    REQUIRE(bench.run_until([&] { return bench.over(); }, 5));
+    CHECK(bench.count<PrintCancelled>() == 0);
+    CHECK_THAT(bench.failure(), Catch::Contains("heaters"));
+    CHECK_FALSE(bench.said("panel"));
+  }
+}
+
+TEST_CASE("a printer with its heaters shut down answers nothing else, and the loss is named by that",
+          "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  bench.run_for(2);
+  bench.mock.shut_heaters_down();
+  const auto closed = [&] { return bench.driver.closing(); };
+  REQUIRE(bench.run_until(closed, 30));
+  REQUIRE(bench.count<Disconnected>() == 1);
+  CHECK_THAT(std::get<Disconnected>(bench.first<Disconnected>()->what).reason, Catch::Contains("heaters"));
+  // The same as long as it stays so, told once.
+  bench.driver.opened(bench.t);
+  REQUIRE(bench.run_until(closed, 2));
+  CHECK(bench.count<Disconnected>() == 1);
+  S3gBench other(real_wire());
+  other.mock.shut_heaters_down();
+  REQUIRE(other.run_until([&] { return other.driver.closing(); }, 5));
+  CHECK_THAT(std::get<Disconnected>(other.first<Disconnected>()->what).reason, Catch::Contains("heaters"));
 }
 
 TEST_CASE("a printer that prints from its card refuses, and says so", "[s3g]") {

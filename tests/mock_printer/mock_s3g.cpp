@@ -172,6 +172,7 @@ void MockS3g::handle_packet(const std::string& payload) {
     cancel_note_ = false;
     return reply_code(9);
   }
+  if (heat_shutdown_) return reply_code(0x0B);
   if (payload.empty()) return reply_code(5);
   if (static_cast<unsigned char>(payload[0]) < 128) {
     answer_query(payload);
@@ -182,7 +183,6 @@ void MockS3g::handle_packet(const std::string& payload) {
 }
 
 void MockS3g::take_action(const std::string& payload) {
-  if (heat_shutdown_) return reply_code(0x0B);
   if (card_ || now_ < busy_until_) return reply_code(0x0A);
   if (queue_bytes_ + payload.size() > options_.queue_bytes) return reply_code(2);
   queue_.push_back(payload);
@@ -360,7 +360,7 @@ void MockS3g::toggle_pause() {
 
 void MockS3g::shut_heaters_down() {
   stop_all();
-  heat_shutdown_ = true;
+  heat_shutdown_ = cancel_note_ = true;
 }
 
 void MockS3g::cancel_at_panel() {

@@ -44,9 +44,9 @@ class MockS3g final : public Firmware {
   /// The button at the panel.
   void press_pause();
   void cancel_at_panel();
-  /// As its guards do when a heater or a sensor fails.
+  /// As its guards do when a heater or a sensor fails: told like a cancel first, and then instead of any
+  /// reply.
   void shut_heaters_down();
-  void fail_heater() { heat_shutdown_ = true; }
   /// Chosen at the panel; moves for so long, and refuses all actions meanwhile.
   void print_from_card(double seconds);
   bool prints_from_card() const { return card_; }

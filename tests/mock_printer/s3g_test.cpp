@@ -116,10 +116,14 @@ TEST_CASE("a heating wait holds the queue, a dead heater shuts it", "[s3g]") {
   printer.advance_to(120);
   CHECK(printer.progress() == 3);
   CHECK(printer.hotend().temperature() > 97);
-  printer.fail_heater();
+  printer.shut_heaters_down();
   printer.take_output();
+  CHECK(say(printer, {0xD5, 1, 2, 0xBC}) == packet(bytes({0x89})));
+  CHECK(say(printer, {0xD5, 1, 2, 0xBC}) == packet(bytes({0x8B})));
+  CHECK(say(printer, {0xD5, 1, 7, 0x83}) == packet(bytes({0x8B})));
   printer.feed(packet(bytes({150, 6, 0})));
   CHECK(printer.take_output() == packet(bytes({0x8B})));
+  CHECK(printer.aborts() == 0);
 }
 
 TEST_CASE("a cancel at the panel is told once, instead of the next reply", "[s3g]") {
