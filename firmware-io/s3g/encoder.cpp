@@ -70,6 +70,7 @@ void Encoder::set_stand(const std::array<std::int32_t, kAxes>& steps) {
   state_.stand = {steps, kAllAxes};
   for (std::size_t i = 0; i < 3; ++i) state_.position_mm[i] = steps[i] / machine_.steps_per_mm[i];
   state_.remainder = {};
+  state_.tool_told = true;  // a place of the tool the firmware has
 }
 
 void Encoder::note(const std::string& text) {
@@ -262,6 +263,7 @@ void Encoder::encode_m(const Words& words) {
       return act(Payload(Command::store_home).u8(axes_of(words, kXyz)));
     case 132: {
       const std::uint8_t axes = axes_of(words, kAllAxes);
+      tell_tool();
       act(Payload(Command::recall_home).u8(axes));
       state_.stand.known = static_cast<std::uint8_t>(state_.stand.known & ~(axes & kXyz));
       // The stored home of the extruders is 0, as shipped.
@@ -363,11 +365,18 @@ void Encoder::change_tool(int tool) {
     throw EncodeError("this printer has " + std::to_string(machine_.extruders) + " extruder" +
                       (machine_.extruders == 1 ? "" : "s") + ", counted from T0");
   }
-  if (tool == state_.tool) return;
+  if (tool == state_.tool && (state_.tool_told || machine_.extruders < 2)) return;
   state_.tool = tool;
-  act(Payload(Command::change_tool).u8(static_cast<std::uint8_t>(tool)));
+  state_.tool_told = false;
+  tell_tool();
   // The firmware adds the tool's offset to the next move: an unaccelerated one to the same place takes it.
   if ((state_.stand.known & kXyz) == kXyz) move_unknown(state_.stand);
+}
+
+// Before the first place of a print, which is meant for this tool.
+void Encoder::tell_tool() {
+  if (std::exchange(state_.tool_told, true) || machine_.extruders < 2) return;
+  act(Payload(Command::change_tool).u8(static_cast<std::uint8_t>(state_.tool)));
 }
 
 }  // namespace voidpath::fw::s3g

@@ -69,6 +69,7 @@ class Encoder {
     double unit_mm = 1;
     double speed_ratio = 1, flow_ratio = 1;
     int tool = 0;
+    bool tool_told = false;  ///< to the firmware, which keeps the one it had
     bool relative = false, relative_e = false;
     bool build_started = false;
   };
@@ -90,6 +91,7 @@ class Encoder {
   void home_axes(std::uint8_t axes, bool to_max, double feed_mm_s);
   void set_position(const Words& words);
   void change_tool(int tool);
+  void tell_tool();
   int tool_of(const Words& words) const;
   std::uint8_t axes_of(const Words& words, std::uint8_t otherwise) const;
   void act(Payload payload, Action::Kind kind = Action::Kind::other, int tool = 0);

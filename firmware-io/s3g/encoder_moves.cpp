@@ -122,6 +122,7 @@ void Encoder::move_to(const Vec3& target, std::array<double, 2> extrusion, std::
 
 // 155, accelerated by the firmware.
 void Encoder::send_move(const Stand& to) {
+  tell_tool();
   const Travel travel = travel_between(state_.stand, to, machine_);
   double feed_mm_s = state_.feed_mm_s * state_.speed_ratio;
   for (std::size_t i = 0; i < kAxes; ++i) {
@@ -150,6 +151,7 @@ void Encoder::send_move(const Stand& to) {
 
 // 139: to an absolute place in whole, each step after the same time, which suits the slowest axis.
 void Encoder::move_unknown(const Stand& to) {
+  tell_tool();
   const double feed_mm_s = state_.feed_mm_s * state_.speed_ratio;
   double step_us = 0;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -235,6 +237,7 @@ void Encoder::home_axes(std::uint8_t axes, bool to_max, double feed_mm_s) {
   if (!(feed_mm_s > 0)) throw EncodeError("homing at no speed");
   // The diagonal of so many axes at that feed.
   const double step_us = std::round(std::sqrt(count) / feed_mm_s * kSecond_us / most_steps_per_mm);
+  tell_tool();
   act(Payload(to_max ? Command::home_max : Command::home_min)
           .u8(axes)
           .u32(static_cast<std::uint32_t>(std::clamp(step_us, 1.0, 1e7)))
@@ -270,6 +273,7 @@ void Encoder::set_position(const Words& words) {
           static_cast<std::int32_t>(-std::lround(value(kAxisLetters[i]) * machine_.steps_per_mm[i]));
     }
   }
+  tell_tool();
   Payload payload(Command::set_position);
   for (const std::int32_t steps : to.steps) payload.i32(steps);
   act(payload);

@@ -257,6 +257,26 @@ TEST_CASE("a tool change takes the tool's offset in a move to where it stands", 
   CHECK(single.run({"M104 S0 T1"}).empty());
 }
 
+TEST_CASE("of two tools the firmware is told which one a place is meant for, once a print", "[s3g]") {
+  const char* firsts[] = {"G162 X Y F2000", "G28", "M132 X Y Z A B", "G92 X0 Y0 Z0", "G1 X0 Y0 Z0", "T0"};
+  for (const char* first : firsts) {
+    Rig rig(dual());
+    for (int print = 0; print < 2; ++print) {
+      INFO(first << ", print " << print);
+      CHECK(rig.run({"M136", "M104 S200"}).size() == 2);
+      CHECK(hex(rig.run({first}).at(0).payload) == "86 00");
+      CHECK(rig.run({"T0", "G92 X0 Y0 Z0", "G1 X10"}).size() == 2);
+      rig.encoder.restart();
+    }
+    Rig single;
+    CHECK(hex(single.run({"M136", first, "G92 X0 Y0 Z0"}).at(1).payload).substr(0, 2) != "86");
+  }
+  // Where the firmware says it stands, it stands with the tool it has.
+  Rig rig(dual());
+  rig.encoder.set_stand({});
+  CHECK(rig.run({"G91", "G1 Z5"}).size() == 1);
+}
+
 TEST_CASE("what cannot be done is refused, what does not matter is left out with a note, once", "[s3g]") {
   Rig rig;
   CHECK_THAT(rig.refusal("G5 X1"), Catch::Contains("G5 X1") && Catch::Contains("no such move"));

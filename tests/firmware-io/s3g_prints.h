@@ -46,8 +46,8 @@ inline Lines operator+(Lines a, const Lines& b) {
 }
 
 /// What a print must come to: the encoder's own actions, build notifications around them.
-inline Lines expected(const Lines& file) {
-  fw::s3g::Encoder encoder((fw::s3g::Machine()));
+inline Lines expected(const Lines& file, const fw::s3g::Machine& machine = {}) {
+  fw::s3g::Encoder encoder(machine);
   Lines out{encoder.build_start("voidpath").payload};
   for (const std::string& line : file) {
     for (const fw::s3g::Action& action : encoder.encode(line).actions) out.push_back(action.payload);
@@ -56,8 +56,8 @@ inline Lines expected(const Lines& file) {
   return out;
 }
 
-inline void check_executed(const S3gBench& bench, const Lines& file) {
-  const Lines want = expected(file);
+inline void check_executed(const S3gBench& bench, const Lines& file, const fw::s3g::Machine& machine = {}) {
+  const Lines want = expected(file, machine);
   REQUIRE(bench.executed.size() == want.size());
   for (std::size_t i = 0; i < want.size(); ++i) {
     if (bench.executed[i] == want[i]) continue;

@@ -53,6 +53,7 @@ void MockS3g::reset() {
   stop_all();
   forget_packet();
   line_ = 0;
+  tool_ = 0;
   build_ = 0;
   paused_ = cancel_note_ = heat_shutdown_ = false;
   position_ = {};

@@ -119,6 +119,7 @@ class MockS3g final : public Firmware {
   Mode mode_ = Mode::ready;
   double until_ = -1;
   int waiting_tool_ = 0;
+  unsigned tool_ = 0;  ///< whose offset moves are made with; outlives a print
   std::array<std::int32_t, 5> position_{};
   std::uint32_t line_ = 0;
   unsigned build_ = 0;

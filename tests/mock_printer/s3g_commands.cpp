@@ -204,7 +204,8 @@ void MockS3g::begin(const std::string& p) {
       return;
     case 134:
       if (byte_at(p, 1) >= static_cast<unsigned>(options_.tools)) violate("a tool that is not there");
-      say("T" + std::to_string(byte_at(p, 1)));
+      tool_ = byte_at(p, 1);
+      say("T" + std::to_string(tool_));
       return;
     case 135:
     case 141:
@@ -325,6 +326,8 @@ void MockS3g::move(const std::string& p) {
     if (i >= 3) extruded += std::abs(mm);
   }
   if (target[4] != position_[4] && options_.tools < 2) violate("a second extruder that is not there");
+  if (options_.tools > 1 && target[4 - tool_ % 2] != position_[4 - tool_ % 2])
+    violate("filament of another tool than the chosen one");
   position_ = target;
   double feed = 0;
   const double length = squares > 0 ? std::sqrt(squares) : extruded;
