@@ -12,6 +12,8 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr int kMostFailures = 50;
 /// Glances at a queue that moves on in between, before waiting until it is empty instead.
 constexpr int kMostGlances = 8;
+/// Share of its nominal time that a byte takes at least: clocks differ by some percent.
+constexpr double kFastestWire = 0.9;
 constexpr std::size_t kPositionBytes = 1 + 4 * kAxes + 2;
 constexpr std::size_t kBuildBytes = 1 + 1 + 1 + 1 + 4 + 4;
 
@@ -43,7 +45,7 @@ void Link::restart(double t) {
   outcome_.reset();
   action_.reset();
   step_ = Step::idle;
-  aside_ = false;
+  aside_ = owed_ = false;
   failures_ = glances_ = 0;
   good_t_ = t;
 }
@@ -55,6 +57,8 @@ void Link::send(std::string_view payload, double t) {
   ++packets_sent_;
   bytes_sent_ += packet_bytes_;
   due_t_ = t + timing_.reply_s;
+  sent_t_ = t;
+  early_ = false;
 }
 
 void Link::ask(std::string payload, std::size_t answer_bytes, double t) {
@@ -147,8 +151,19 @@ void Link::received(std::string_view bytes, double t) {
   if (step_ == Step::insisting) due_t_ = std::min(t + timing_.quiet_s, insist_until_);
 }
 
+// A copy of the reply before.
+bool Link::too_early(const Packet& packet, double t) const {
+  if (!packet.good || owed_ || !times_tell_) return false;
+  const std::size_t bytes = packet_bytes_ + packet.payload.size() + kFrameBytes;
+  return t < sent_t_ + kFastestWire * timing_.byte_s * static_cast<double>(bytes);
+}
+
 void Link::on_packet(const Packet& packet, double t) {
   if (packet.good) good_t_ = t;
+  if (too_early(packet, t)) {
+    early_ = true;
+    return;
+  }
   if (step_ == Step::asking) {
     if (packet.good) {
       on_query_reply(packet.payload, t);
@@ -225,6 +240,7 @@ void Link::elapsed(double t) {
     case Step::asking:
     case Step::acting:
       reader_.clear();
+      if (early_) times_tell_ = false;
       ++failures_;
       return go_on(t);
     case Step::quiet:

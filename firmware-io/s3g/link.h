@@ -23,6 +23,8 @@ struct LinkTiming {
   double silence_s = 10;       ///< without any good reply: nobody is there
   double drain_poll_s = 0.05;  ///< between asks whether all is done
   double insist_s = 2;         ///< so long an abort is said again
+  /// Of one byte on the wire; 0: not known. A reply cannot come before the packet and itself have crossed it.
+  double byte_s = 0;
 };
 
 /// What became of a request.
@@ -55,7 +57,8 @@ using Outcome = std::variant<Answer, Accepted, NoRoom, Refused, Dead>;
 ///
 /// A command is sent again only when the firmware is known not to have queued it: an undamaged reply says so,
 /// or what the queue holds (Account), or, once all is done, where the motors stand. Before that a query with
-/// its own kind of reply goes both ways, so that no late reply is taken for another's.
+/// its own kind of reply goes both ways, so that no late reply is taken for another's. Nor is a doubled one,
+/// if its copy comes sooner than the wire allows; one that comes later cannot be told from what it copies.
 class Link {
  public:
   Link(LinkTiming timing, const Clock& stamp, FlightRecorder& recorder)
@@ -104,6 +107,7 @@ class Link {
   void send_query(Query query, std::size_t answer_bytes, Why why, double t);
   void send_action(double t);
   void on_packet(const Packet& packet, double t);
+  bool too_early(const Packet& packet, double t) const;
   void on_query_reply(const std::string& payload, double t);
   void on_action_reply(ReplyCode code, double t);
   void on_insisted(const Packet& packet, double t);
@@ -135,10 +139,12 @@ class Link {
   bool once_ = false;  ///< the caller's query must not be sent again
   bool in_doubt_ = false;
   bool owed_ = false;  ///< a reply to what was under way when it became urgent
+  bool early_ = false;      ///< a reply has come too early
+  bool times_tell_ = true;  ///< the wire is as slow as it was said to be
   int failures_ = 0;  ///< of the request under way, in a row
   int glances_ = 0;
   Glance glance_;
-  double due_t_ = 0, insist_until_ = 0;
+  double due_t_ = 0, insist_until_ = 0, sent_t_ = 0;
   std::size_t packet_bytes_ = 0;  ///< of the one sent last
   double good_t_ = 0;  ///< when the last undamaged reply came
   std::uint64_t packets_sent_ = 0, bytes_sent_ = 0, resends_ = 0;

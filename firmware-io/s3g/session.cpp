@@ -23,6 +23,7 @@ std::unique_ptr<PrinterPort> open_s3g(PortOptions options, std::shared_ptr<const
                                       PrinterPort::Handler handler) {
   s3g::DriverOptions driver;
   driver.machine = options.s3g.value_or(s3g::Machine{});
+  driver.timing.byte_s = options.baud > 0 ? 10.0 / options.baud : 0;  // 8N1
   driver.boot_wait_s = options.boot_wait_s;
   driver.cancel_gcode = options.cancel_gcode;
   auto open = [port = options.port, baud = options.baud, hang_up = options.reset_on_connect] {

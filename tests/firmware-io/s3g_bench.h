@@ -17,7 +17,8 @@ namespace voidpath::test {
 class S3gBench {
  public:
   explicit S3gBench(const mock::S3gOptions& printer = {}, fw::s3g::DriverOptions options = {})
-      : mock(printer), driver(options, clock, recorder, [this](const fw::Event& event) {
+      : mock(printer),
+        driver(on_wire(std::move(options), printer), clock, recorder, [this](const fw::Event& event) {
           ++counts_[event.what.index()];
           events.push_back(event);
         }) {
@@ -89,6 +90,11 @@ class S3gBench {
   std::function<void(const std::string&)> on_output;  ///< what the driver writes
 
  private:
+  static fw::s3g::DriverOptions on_wire(fw::s3g::DriverOptions options, const mock::S3gOptions& printer) {
+    if (printer.baud > 0) options.timing.byte_s = 10 / printer.baud;
+    return options;
+  }
+
   std::map<std::size_t, int> counts_;  ///< by kind
 
   void step() {

@@ -47,6 +47,19 @@ TEST_CASE("a print is executed as it stands, command for command", "[s3g]") {
   }
 }
 
+TEST_CASE("a wire faster than it was said to be costs one wait and prints as ever", "[s3g]") {
+  s3g::DriverOptions options;
+  options.timing.byte_s = 10 / 115200.0;
+  S3gBench bench(mock::S3gOptions{}, options);
+  REQUIRE(bench.connect());
+  CHECK(bench.t < 1);
+  const Lines file = kStart + moves(200) + kEnd;
+  REQUIRE(bench.print_through(file));
+  REQUIRE(bench.count<PrintFinished>() == 1);
+  check_executed(bench, file);
+  CHECK(std::get<LinkStats>(bench.first<LinkStats>()->what).resends == 0);
+}
+
 TEST_CASE("the end of a print is known within a few hundredths of a second", "[s3g]") {
   S3gBench bench(real_wire());
   REQUIRE(bench.connect());

@@ -12,6 +12,8 @@ constexpr HeaterGuard kBedGuard{60, 2, 20, 2};
 /// A packet that does not go on for so long is given up, s.
 constexpr double kPacketTimeout = 0.2;
 constexpr std::size_t kLongestPacket = 32;
+/// So much later than its original a doubled reply sets out, s: the next packet is under way then.
+constexpr double kCopyDelay = 0.0004;
 constexpr double kBitsPerByte = 10;  ///< 8N1
 /// A heater this near its target counts as there, °C.
 constexpr double kReached = 2;
@@ -280,6 +282,7 @@ void MockS3g::answer_query(const std::string& payload) {
 void MockS3g::reply(std::string_view payload) {
   std::string framed = byte(0xD5) + byte(static_cast<unsigned>(payload.size())) + std::string(payload) +
                        byte(checksum(payload));
+  std::string copy;
   if (options_.baud > 0)
     sending_until_ = now_ + kBitsPerByte / options_.baud * static_cast<double>(framed.size());
   if (!faults_.none()) {
@@ -287,7 +290,7 @@ void MockS3g::reply(std::string_view payload) {
       if (fault.kind == FaultKind::kLoseOk) {
         framed.clear();
       } else if (fault.kind == FaultKind::kDoubleOk) {
-        framed += framed;
+        copy = framed;
       } else if (fault.kind == FaultKind::kGarbleOk && !framed.empty()) {
         char& hit = framed[faults_.pick(framed.size())];
         hit = static_cast<char>(hit ^ (1 << faults_.pick(8)));
@@ -301,8 +304,9 @@ void MockS3g::reply(std::string_view payload) {
   }
   if (options_.baud > 0 || options_.round_trip_s > 0 || options_.turnaround_s > 0) {
     wire_out_.send(now_, framed);
+    wire_out_.send(now_ + kCopyDelay, copy);
   } else {
-    ready_out_ += framed;
+    ready_out_ += framed + copy;
   }
 }
 
