@@ -81,7 +81,7 @@ void Driver::on_identity(const Answer& answer, double t) {
     firmware_.name = "MakerBot " + version_text(little_endian(answer.data, 0, 2));
     phase_ = Phase::identifying;
     phase_deadline_ = t + options_.timing.silence_s;
-    link_.ask(Payload(Query::advanced_version).bytes(), 0, t);
+    link_.ask(Payload(Query::advanced_version).u16(kHostVersion).bytes(), 0, t);
   } else if (query == Query::advanced_version) {
     // Old firmware does not know the question.
     if (good && answer.data.size() >= 5) {

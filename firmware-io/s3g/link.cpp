@@ -24,6 +24,10 @@ bool means_try_again(ReplyCode code) {
          code == ReplyCode::downstream_timeout;
 }
 
+bool asks_tool(std::string_view query) {
+  return static_cast<unsigned char>(query[0]) == static_cast<unsigned char>(Query::tool);
+}
+
 }  // namespace
 
 std::string hex(std::string_view bytes) {
@@ -200,7 +204,9 @@ void Link::on_query_reply(const std::string& payload, double t) {
   }
   // Of an earlier command, late.
   if (code == ReplyCode::ok || code == ReplyCode::overflow) return;
-  if (means_try_again(code)) return disturbed(t);
+  // Of a tool's own silence the board tells undamaged.
+  const bool no_tool = code == ReplyCode::downstream_timeout && asks_tool(query_);
+  if (means_try_again(code) && !no_tool) return disturbed(t);
   if (why_ == Why::caller) return done(Answer{query_, {}, code});
   if (code == ReplyCode::unsupported && why_ == Why::line_before) return drain(t);
   if (code == ReplyCode::unsupported && why_ == Why::position) {

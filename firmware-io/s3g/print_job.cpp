@@ -85,8 +85,7 @@ void PrintJob::on_answer(const Answer& answer, double t) {
     case Wait::tool:
     case Wait::bed:
       // Some firmware is "finished" while it waits, some is "ready" before it is done.
-      if (query == Query::tool && (yes || answer.code == ReplyCode::unsupported))
-        wait_ = Wait::rest, ask_t_ = t;
+      if (query == Query::tool && (yes || !good)) wait_ = Wait::rest, ask_t_ = t;
       return;
     case Wait::extruders:
       if (query != Query::position) return;

@@ -273,6 +273,19 @@ TEST_CASE("a cancel by the user stops at once, cools down, lifts", "[s3g]") {
   CHECK(bench.mock.violations().empty());
 }
 
+TEST_CASE("a tool that is not there does not end the session", "[s3g]") {
+  s3g::DriverOptions options;
+  options.machine.extruders = 2;
+  S3gBench bench(real_wire(), options);
+  REQUIRE(bench.connect());
+  bench.run_for(60);
+  CHECK(bench.count<Disconnected>() == 0);
+  CHECK(bench.count<Temperatures>() > 5);
+  const Lines file = kStart + moves(30) + kEnd;
+  REQUIRE(bench.print_through(file));
+  CHECK(bench.count<PrintFinished>() == 1);
+}
+
 TEST_CASE("a cancel while paused is heard too", "[s3g]") {
   S3gBench bench(real_wire());
   REQUIRE(bench.connect());

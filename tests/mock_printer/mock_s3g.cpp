@@ -227,6 +227,7 @@ void MockS3g::answer_query(const std::string& payload) {
   const std::string ok = byte(0x81);
   switch (static_cast<unsigned char>(payload[0])) {
     case 0:
+      if (payload.size() != 3) return reply_code(0);
       return reply(ok + number(707, 2));
     case 2:
       return reply(ok + number(static_cast<std::uint32_t>(options_.queue_bytes - queue_bytes_), 4));
@@ -272,6 +273,7 @@ void MockS3g::answer_query(const std::string& payload) {
                    number(0, 4));
     case 27:
       if (!options_.advanced_version) return reply_code(5);
+      if (payload.size() != 3) return reply_code(0);
       return reply(ok + number(707, 2) + number(0, 2) + byte(0x80) + byte(0) + number(0, 2));
     default:
       return reply_code(5);
