@@ -88,7 +88,11 @@ void Driver::take_outcomes(double t) {
       if (room_) *room_ -= std::min(*room_, static_cast<std::uint32_t>(accepted->action.payload.size()));
       if (act_by_job_ && job_) job_->on_accepted(*accepted);
     } else if (auto* no_room = std::get_if<NoRoom>(&*outcome)) {
-      hold(no_room->action, t);
+      if (act_by_job_ && job_ && job_->stopping()) {
+        job_->take_back();
+      } else {
+        hold(no_room->action, t);
+      }
     } else if (const auto* refused = std::get_if<Refused>(&*outcome)) {
       on_refused(*refused);
     } else {
@@ -346,6 +350,7 @@ void Driver::on_aborted(ReplyCode code, double t) {
 void Driver::drop_job(decltype(Event::what) outcome) {
   if (!job_) return;
   if (act_by_job_) held_.reset();
+  if (act_by_job_ && link_.draining()) link_.give_up();
   job_->drop(std::move(outcome));
   job_.reset();
 }

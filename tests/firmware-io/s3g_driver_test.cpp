@@ -273,6 +273,62 @@ TEST_CASE("a cancel by the user stops at once, cools down, lifts", "[s3g]") {
   CHECK(bench.mock.violations().empty());
 }
 
+TEST_CASE("a move for which there was no room when a cancel came is not sent any more", "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  Lines file = kStart;
+  for (int i = 0; i < 100; ++i) file.push_back("G1 X" + std::to_string(i % 2 * 60 + i * 0.1) + " E1 F300");
+  bench.print(file);
+  std::string refused;
+  double asked = 0;
+  bench.each_step = [&] {
+    s3g::PacketReader reader;
+    for (const char c : bench.driver.output()) {
+      const auto packet = reader.take(c);
+      if (!refused.empty() || !packet || bench.mock.queued_bytes() + packet->payload.size() <= 512) continue;
+      if (static_cast<unsigned char>(packet->payload[0]) < 128) continue;
+      refused = packet->payload;
+      asked = bench.t;
+      bench.driver.cancel("user", bench.t);
+    }
+  };
+  REQUIRE(bench.run_until([&] { return bench.over(); }));
+  REQUIRE_FALSE(refused.empty());
+  CHECK(bench.count<PrintCancelled>() == 1);
+  CHECK(bench.t - asked < 0.2);
+  bench.run_for(60);
+  CHECK(std::count(bench.executed.begin(), bench.executed.end(), refused) == 0);
+}
+
+TEST_CASE("a command whose fate is open when the print is lost is not sent again", "[s3g]") {
+  mock::S3gOptions o = real_wire();
+  o.counts_lines = false;
+  mock::Fault fault;
+  fault.kind = mock::FaultKind::kDropLine;
+  fault.trigger = mock::FaultTrigger::kLine;
+  fault.at = 30;
+  o.faults = {fault};
+  S3gBench bench(o);
+  REQUIRE(bench.connect());
+  Lines file = {"G92 X0 Y0 Z0", "M83"};
+  for (int i = 1; i < 300; ++i) file.push_back("G1 X" + std::to_string(i % 2 * 30) + " E1 F600");
+  bench.print(file);
+  REQUIRE(bench.run_until([&] { return bench.mock.statistics().faults > 0; }));
+  bench.run_for(2);
+  // Told in reply to a question beside those after the command's fate.
+  bool cancelled = false;
+  bench.each_step = [&] {
+    if (cancelled || bench.driver.output() != s3g::frame(s3g::Payload(s3g::Query::build).bytes())) return;
+    cancelled = true;
+    bench.mock.cancel_at_panel();
+  };
+  REQUIRE(bench.run_until([&] { return bench.over(); }, 10));
+  CHECK(bench.count<PrintCancelled>() == 1);
+  const std::size_t before = bench.executed.size();
+  bench.run_for(60);
+  CHECK(bench.executed.size() == before);
+}
+
 TEST_CASE("a tool that is not there does not end the session", "[s3g]") {
   s3g::DriverOptions options;
   options.machine.extruders = 2;
