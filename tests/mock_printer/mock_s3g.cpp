@@ -233,10 +233,15 @@ void MockS3g::answer_query(const std::string& payload) {
       return reply(ok + number(static_cast<std::uint32_t>(options_.queue_bytes - queue_bytes_), 4));
     case 3:
     case 7:
-    case 17:
+    case 17: {
       ++aborts_;
       reply(ok);
-      return reset();
+      // One that is paused counts it as a cancel, of which it tells as well.
+      const bool was_paused = paused_;
+      reset();
+      cancel_note_ = was_paused;
+      return;
+    }
     case 8:
       toggle_pause();
       return reply(ok);
