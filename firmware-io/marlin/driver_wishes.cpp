@@ -73,7 +73,7 @@ void Driver::cancel(const std::string& reason, double t) {
   lines.push_back("M84");
   if (!job_->ending() && !reason.empty()) emit(Message{"cancelled: " + reason});
   leave_panel(t);
-  job_->end(std::move(lines), PrintCancelled{}, link_, t);
+  job_->end(lines, PrintCancelled{}, link_, t);
   settle(t);
 }
 
@@ -84,7 +84,7 @@ void Driver::shut_down(double t) {
   lines.insert(lines.end(), options_.cancel_gcode.begin(), options_.cancel_gcode.end());
   lines.push_back("M84");
   leave_panel(t);
-  job_->end(std::move(lines), PrintCancelled{}, link_, t);
+  job_->end(lines, PrintCancelled{}, link_, t);
   settle(t);
 }
 

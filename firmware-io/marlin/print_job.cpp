@@ -1,9 +1,12 @@
 #include "firmware-io/marlin/print_job.h"
 
+#include "firmware-io/marlin/codec.h"
+#include "firmware-io/marlin/file_command.h"
 #include "firmware-io/marlin/words.h"
 
 #include <exception>
 #include <limits>
+#include <stdexcept>
 #include <utility>
 
 namespace voidpath::fw::marlin {
@@ -163,11 +166,23 @@ void PrintJob::resume() {
   emit_(Resumed{});
 }
 
-void PrintJob::end(std::vector<std::string> lines, decltype(Event::what) outcome, Link& link, double t) {
+// None of them may keep those behind it from being sent: they turn the heaters off.
+void PrintJob::queue_ending(std::string_view line) {
+  try {
+    std::string command = file_command(line);
+    if (!command.empty() && !is_pause(command)) ending_lines_.push_back(std::move(command));
+  } catch (const std::runtime_error& error) {
+    emit_(Message{"left out at the end of the print: " + std::string(error.what())});
+  }
+}
+
+void PrintJob::end(const std::vector<std::string>& lines, decltype(Event::what) outcome, Link& link,
+                   double t) {
   if (state_ == State::ending || state_ == State::over) return;
   state_ = State::ending;
   if (heating_) link.send_raw("M108", true, t);  // else the wait would go on for minutes
-  ending_lines_.assign(lines.begin(), lines.end());
+  for (const std::string& text : lines)
+    for (const std::string_view line : lines_of(text)) queue_ending(line);
   ending_unacknowledged_ = ending_lines_.size();
   outcome_ = std::move(outcome);
 }

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace voidpath::fw::marlin {
@@ -42,9 +43,9 @@ class PrintJob {
 
   void pause(bool by_printer, const std::string& reason);
   void resume();
-  /// Ends the file here and sends `lines` instead; `outcome` is emitted when they are acknowledged.
-  /// A second call changes nothing.
-  void end(std::vector<std::string> lines, decltype(Event::what) outcome, Link& link, double t);
+  /// Ends the file here and sends `lines` instead, written as in a file; `outcome` is emitted when they are
+  /// acknowledged. A second call changes nothing.
+  void end(const std::vector<std::string>& lines, decltype(Event::what) outcome, Link& link, double t);
 
   bool over() const noexcept { return state_ == State::over; }
   bool ending() const noexcept { return state_ == State::ending; }
@@ -61,6 +62,7 @@ class PrintJob {
 
   bool fetch();
   Step feed_line(Link& link, double t);
+  void queue_ending(std::string_view line);
   void feed_ending(Link& link, double t);
   void verify(Link& link, double t);
   void note_sent(const Tag& tag, const std::string& text);

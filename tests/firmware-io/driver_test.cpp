@@ -166,6 +166,36 @@ TEST_CASE("cancel ends with lift, heaters, fan and motors, in this order", "[dri
   CHECK(Lines(printed.end() - static_cast<std::ptrdiff_t>(end.size()), printed.end()) == end);
 }
 
+TEST_CASE("lines for a cancel may be written as in a file", "[driver]") {
+  marlin::DriverOptions options;
+  options.cancel_gcode = {"; lift first",
+                          "g91 ; relative",
+                          "M117 Stopped (by user)",
+                          "M0 see to it",
+                          "M117 " + std::string(100, 'x'),
+                          "M862.3 P" + std::string(100, 'x'),
+                          "",
+                          "G1 Z10 ; lift",
+                          "G1 Z9\nG1 Z8"};
+  const bool stops = GENERATE(false, true);
+  DriverBench bench({}, options);
+  REQUIRE(bench.connect());
+  bench.print(moves(500));
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() == 20; }));
+  stops ? bench.driver.shut_down(bench.t) : bench.driver.cancel("enough", bench.t);
+  REQUIRE(bench.run_until([&] { return over(bench); }));
+  CHECK(bench.count<PrintCancelled>() == 1);
+  const Lines off{"M104 S0", "M140 S0", "M107"};
+  const Lines end{
+      "G91",  "M117 Stopped by user", "M117 " + std::string(marlin::kMaxPayload - 5, 'x'), "G1 Z10", "G1 Z9",
+      "G1 Z8"};
+  const Lines wanted = (stops ? off + end : end + off) + Lines{"M84"};
+  const Lines printed = bench.printed();
+  REQUIRE(printed.size() > wanted.size());
+  CHECK(Lines(printed.end() - static_cast<std::ptrdiff_t>(wanted.size()), printed.end()) == wanted);
+  CHECK(bench.firmware.refused == 0);
+}
+
 TEST_CASE("cancel while heating does not wait for the temperature", "[driver]") {
   DriverBench bench;
   REQUIRE(bench.connect());

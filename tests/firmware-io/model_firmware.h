@@ -88,6 +88,7 @@ class ModelFirmware {
   std::vector<std::string> replies;   ///< not yet fetched
   std::vector<std::string> executed;  ///< in order
   std::size_t overflowed = 0;         ///< bytes that found the ring full
+  int refused = 0;                    ///< lines wanted again
   int undetectable = 0;               ///< damaged lines that passed the checksum
   bool dead = false;                  ///< M112
   bool break_wait = false;            ///< M108 was seen
@@ -100,6 +101,7 @@ class ModelFirmware {
   };
 
   void refuse(const char* why) {
+    ++refused;
     ring_.clear();
     replies.push_back(std::string("Error:") + why + ", Last Line: " + std::to_string(last_));
     replies.push_back("Resend: " + std::to_string(last_ + 1));
