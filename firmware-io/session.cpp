@@ -7,6 +7,7 @@
 #include <array>
 #include <atomic>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 #include <utility>
@@ -133,6 +134,7 @@ class Session final : public PrinterPort {
     try {
       transport_ = open_();
       dialogue_->opened(now());
+      if (halt_owed_) dialogue_->halt(*halt_owed_, now());
       due_ = dialogue_->deadline();
     } catch (const std::exception& error) {
       close_port(error.what());
@@ -142,6 +144,7 @@ class Session final : public PrinterPort {
   // An empty reason: the driver itself gave up and has said why.
   void close_port(const std::string& reason) {
     if (!reason.empty()) dialogue_->lost(reason);
+    if (reason.empty()) halt_owed_.reset();
     flush_quietly();
     transport_.reset();
     reopen_at_ = now() + timing_.reconnect_s;
@@ -181,8 +184,10 @@ class Session final : public PrinterPort {
   }
 
   void carry_out_posted() {
-    if (const std::unique_ptr<const std::string> reason{halt_.exchange(nullptr)})
-      dialogue_->halt(*reason, now());
+    if (const std::unique_ptr<const std::string> reason{halt_.exchange(nullptr)}) {
+      halt_owed_ = *reason;
+      if (transport_) dialogue_->halt(*reason, now());
+    }
     std::vector<std::function<void()>> work;
     {
       const std::lock_guard lock(mutex_);
@@ -230,6 +235,8 @@ class Session final : public PrinterPort {
   std::unique_ptr<Transport> transport_;
   double reopen_at_ = 0;
   double due_ = 0;  ///< the dialogue's deadline
+  /// The reason of a halt of which the printer may not have heard: the port was, or is, gone.
+  std::optional<std::string> halt_owed_;
 
   std::atomic<std::string*> halt_{nullptr};  ///< the reason of a halt not yet carried out; owned
 

@@ -173,6 +173,7 @@ struct Rig {
     if (!plugged) throw PortError("test port: unplugged");
     Loopback loopback = make_loopback();
     peer = std::make_unique<Peer>(std::move(loopback.device));
+    ++opened;
     changed.notify_all();
     return std::move(loopback.host);
   }
@@ -185,9 +186,15 @@ struct Rig {
     const std::lock_guard lock(mutex);
     plugged = true;
   }
-  std::mutex mutex;  ///< guards peer and plugged
+  /// Waits for the second peer.
+  bool reopened() {
+    std::unique_lock lock(mutex);
+    return changed.wait_for(lock, kPatience, [&] { return opened == 2; });
+  }
+  std::mutex mutex;  ///< guards peer, plugged and opened
   std::condition_variable changed;
   bool plugged = true;
+  int opened = 0;
   std::unique_ptr<Peer> peer;
   Listener listener;
   std::unique_ptr<PrinterPort> port;  ///< last: its thread uses all above
@@ -359,4 +366,40 @@ TEST_CASE("a file goes through a pseudo terminal at a Marlin's odd baud rate", "
   REQUIRE(second.wait_for<Disconnected>());
   CHECK(second.last<Disconnected>().reason.find("in use") != std::string::npos);
   ::close(keep_open);
+}
+
+TEST_CASE("an emergency stop while the port is gone is the first that goes out when it is back",
+          "[session]") {
+  Rig rig;
+  REQUIRE(rig.listener.wait_for<Connected>());
+  rig.unplug();
+  REQUIRE(rig.listener.wait_for<Disconnected>());
+  rig.port->halt("button");
+  rig.plug();
+  REQUIRE(rig.reopened());
+  CHECK(rig.peer->wait_for([](const ModelFirmware& firmware) { return firmware.dead; }));
+  CHECK(rig.peer->executed().empty());
+}
+
+TEST_CASE("an emergency stop that the cable took with it is said again", "[session]") {
+  Rig rig;
+  REQUIRE(rig.listener.wait_for<Connected>());
+  rig.peer->hold_at("G1 X50 E150");
+  rig.port->print(source(moves(500)));
+  REQUIRE(rig.listener.wait_for<LineDone>(50));
+  rig.port->halt("button");
+  REQUIRE(rig.listener.wait_for<PrintFailed>());
+  rig.unplug();
+  rig.plug();
+  REQUIRE(rig.reopened());
+  CHECK(rig.peer->wait_for([](const ModelFirmware& firmware) { return firmware.dead; }));
+}
+
+TEST_CASE("an emergency stop that was heard is not said to the next printer", "[session]") {
+  Rig rig;
+  REQUIRE(rig.listener.wait_for<Connected>());
+  rig.port->halt("button");
+  REQUIRE(rig.peer->wait_for([](const ModelFirmware& firmware) { return firmware.dead; }));
+  REQUIRE(rig.reopened());
+  REQUIRE(rig.listener.wait_for<Connected>(2));
 }
