@@ -14,6 +14,7 @@ struct FirmwareInfo {
   std::string name;     ///< FIRMWARE_NAME of M115, e.g. "Marlin 2.1.2"
   std::string machine;  ///< MACHINE_TYPE
   std::string uuid;
+  int extruders = 1;                         ///< EXTRUDER_COUNT, or as many as it tells temperatures of
   std::map<std::string, bool> capabilities;  ///< Cap: lines
 };
 

@@ -1,6 +1,7 @@
 #include "daemon/jobs/printer_limits.h"
 #include "daemon/jobs/runner.h"
 #include "engine/calibrate/correction.h"
+#include "firmware-io/heaters_off.h"
 
 #include <utility>
 
@@ -14,7 +15,8 @@ void Runner::on_printer_event(Printer& printer, const fw::Event& event) {
     s_.log.info("connected", {{"printer", printer.name()}, {"firmware", printer.memory.firmware}});
     if (!job && std::exchange(printer.memory.may_be_hot, false)) {
       s_.log.warning("heaters_off", {{"printer", printer.name()}, {"reason", "a print was cut off"}});
-      for (const char* line : {"M104 S0", "M140 S0", "M107"}) printer.command(line);
+      for (const std::string& line : fw::heaters_off(std::get<fw::Connected>(what).firmware))
+        printer.command(line);
     }
     save_memory(printer);
     if (!printer.limits()) keep_limits(printer);

@@ -109,6 +109,7 @@ class Driver final : public Dialogue {
   LinkStats link_stats() const;
   void report_stats();
   void note_sensors(const Sensors& sensors);
+  void note_heaters(const Sensors& sensors);
 
   DriverOptions options_;
   HeldClock stamp_;  ///< looked at by whatever is called from outside

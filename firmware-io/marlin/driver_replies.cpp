@@ -1,3 +1,4 @@
+#include "firmware-io/heaters_off.h"
 #include "firmware-io/marlin/driver.h"
 #include "firmware-io/marlin/words.h"
 
@@ -104,7 +105,7 @@ void Driver::on_error(const Error& error, double t) {
   // A part of the print is missing: a person decides, as above.
   if (error.kind == Error::Kind::refused && job_) job_->pause(true, error.text);
   if (error.kind != Error::Kind::fatal) return;
-  for (const std::string& line : heaters_off()) link_.send_raw(line, false, t);
+  for (const std::string& line : heaters_off(firmware_)) link_.send_raw(line, false, t);
   fail(error.text);
 }
 
@@ -153,10 +154,19 @@ void Driver::on_prompt(const Action& action) {
 
 void Driver::note_sensors(const Sensors& sensors) {
   hot_ = std::any_of(sensors.begin(), sensors.end(), [](const auto& sensor) {
+// What it tells a temperature of it may heat, whatever it said of itself: Klipper says nothing.
+void Driver::note_heaters(const Sensors& sensors) {
+  int tools = 1;
+  while (tools < kMostExtruders && sensors.count("T" + std::to_string(tools)) > 0) ++tools;
+  firmware_.extruders = std::max(firmware_.extruders, tools);
+  if (sensors.count("C") > 0) firmware_.capabilities["CHAMBER_TEMPERATURE"] = true;
+}
+
     return sensor.second.actual_c > kHot_c || sensor.second.target_c > 0;
   });
   polled_t_ = received_t_;
   emit(Temperatures{sensors});
+  note_heaters(sensors);
 }
 
 }  // namespace voidpath::fw::marlin

@@ -1,3 +1,4 @@
+#include "firmware-io/heaters_off.h"
 #include "firmware-io/marlin/driver.h"
 #include "firmware-io/marlin/meatpack.h"
 #include "firmware-io/marlin/words.h"
@@ -24,7 +25,7 @@ void Driver::print(std::unique_ptr<LineSource> source, double t) {
   stats_t_ = t;
   end_probed_ = false;
   before_print_ = link_stats();
-  job_ = std::make_unique<PrintJob>(std::move(source), [this](auto what) {
+  job_ = std::make_unique<PrintJob>(std::move(source), firmware_, [this](auto what) {
     const bool last = std::holds_alternative<PrintFinished>(what) ||
                       std::holds_alternative<PrintCancelled>(what) ||
                       std::holds_alternative<PrintFailed>(what);
@@ -69,7 +70,7 @@ void Driver::cancel(const std::string& reason, double t) {
   stamp_.look();
   if (!job_) return;
   std::vector<std::string> lines = options_.cancel_gcode;
-  lines.insert(lines.end(), heaters_off().begin(), heaters_off().end());
+  for (std::string& line : heaters_off(firmware_)) lines.push_back(std::move(line));
   lines.push_back("M84");
   if (!job_->ending() && !reason.empty()) emit(Message{"cancelled: " + reason});
   leave_panel(t);
@@ -80,7 +81,7 @@ void Driver::cancel(const std::string& reason, double t) {
 void Driver::shut_down(double t) {
   stamp_.look();
   if (!job_) return;
-  std::vector<std::string> lines = heaters_off();
+  std::vector<std::string> lines = heaters_off(firmware_);
   lines.insert(lines.end(), options_.cancel_gcode.begin(), options_.cancel_gcode.end());
   lines.push_back("M84");
   leave_panel(t);

@@ -1,5 +1,6 @@
 #include "firmware-io/marlin/print_job.h"
 
+#include "firmware-io/heaters_off.h"
 #include "firmware-io/marlin/codec.h"
 #include "firmware-io/marlin/file_command.h"
 #include "firmware-io/marlin/words.h"
@@ -32,13 +33,8 @@ Meaning meaning_of(std::string_view text) {
 
 }  // namespace
 
-const std::vector<std::string>& heaters_off() {
-  static const std::vector<std::string> lines = {"M104 S0", "M140 S0", "M107"};
-  return lines;
-}
-
-PrintJob::PrintJob(std::unique_ptr<LineSource> source, Emit emit)
-    : source_(std::move(source)), emit_(std::move(emit)) {}
+PrintJob::PrintJob(std::unique_ptr<LineSource> source, const FirmwareInfo& firmware, Emit emit)
+    : source_(std::move(source)), firmware_(firmware), emit_(std::move(emit)) {}
 
 // True when pending_ is the next line; false at the end of the file.
 bool PrintJob::fetch() {
@@ -106,7 +102,7 @@ void PrintJob::feed(Link& link, double t) {
     while (state_ == State::feeding && feed_line(link, t) == Step::sent) {
     }
   } catch (const std::exception& error) {
-    end(heaters_off(), PrintFailed{error.what()}, link, t);
+    end(heaters_off(firmware_), PrintFailed{error.what()}, link, t);
     feed_ending(link, t);
   }
 }

@@ -17,9 +17,6 @@ namespace voidpath::fw::marlin {
 /// Emits an event, stamped with the session clock's present time.
 using Emit = std::function<void(decltype(Event::what))>;
 
-/// What leaves a printer cold, line by line.
-const std::vector<std::string>& heaters_off();
-
 /// One print: pulls lines from the source into the link, and ends it, well or not. One thread.
 ///
 /// A heating wait goes out only when everything before it is acknowledged, and nothing follows until it is
@@ -31,7 +28,8 @@ const std::vector<std::string>& heaters_off();
 /// its place, it is asked after a silence and its answer must be followed by one.
 class PrintJob {
  public:
-  PrintJob(std::unique_ptr<LineSource> source, Emit emit);
+  /// `firmware` stands as long as the job.
+  PrintJob(std::unique_ptr<LineSource> source, const FirmwareInfo& firmware, Emit emit);
 
   /// Sends what may go now.
   void feed(Link& link, double t);
@@ -69,6 +67,7 @@ class PrintJob {
   void finish();
 
   std::unique_ptr<LineSource> source_;
+  const FirmwareInfo& firmware_;
   Emit emit_;
   State state_ = State::feeding;
   SourceLine pending_;  ///< the next line, once fetched; else an old one, for its memory

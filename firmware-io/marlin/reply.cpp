@@ -1,5 +1,7 @@
 #include "firmware-io/marlin/reply.h"
 
+#include "firmware-io/heaters_off.h"
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -145,6 +147,8 @@ Firmware parse_firmware(std::string_view text) {
   firmware.info.uuid = values["UUID"];
   return firmware;
 }
+  std::string_view extruders = values["EXTRUDER_COUNT"];
+  firmware.info.extruders = std::clamp(take_number<int>(extruders).value_or(1), 1, kMostExtruders);
 
 std::optional<Reply> parse_busy(std::string_view line) {
   if (line.starts_with("echo:")) line.remove_prefix(5);

@@ -84,6 +84,23 @@ TEST_CASE("with auto_clear the next one starts after a finished print, but not a
   CHECK(fs::exists(rig.dir / "inbox/failed/b.stl"));
 }
 
+TEST_CASE("after a print that was cut off every heater of the printer is turned off") {
+  RunnerRig rig(true);
+  rig.connect();
+  rig.drop("a.stl");
+  REQUIRE(rig.reaches("a.stl", State::heating));
+  rig.restart();
+  rig.printer.calls.clear();
+  fw::FirmwareInfo two;
+  two.name = "Marlin test";
+  two.extruders = 2;
+  two.capabilities["CHAMBER_TEMPERATURE"] = true;
+  rig.printer.say(fw::Connected{two});
+  rig.loop.run();
+  for (const char* line : {"M104 S0", "M104 T0 S0", "M104 T1 S0", "M140 S0", "M141 S0", "M107"})
+    CHECK(rig.printer.count("command " + std::string(line)) == 1);
+}
+
 TEST_CASE("nothing starts while the printer is not connected") {
   RunnerRig rig(true);
   rig.drop("a.stl");

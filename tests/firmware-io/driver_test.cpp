@@ -229,6 +229,30 @@ TEST_CASE("halt puts M112 on the wire ahead of everything, without and with a nu
 
 TEST_CASE("the statistics of a print are its own", "[driver]") {
   DriverBench bench;
+TEST_CASE("every hotend is left cold, not the one at work alone", "[driver]") {
+  const bool told_at_once = GENERATE(false, true);
+  DriverBench bench({.extruders = told_at_once ? 2 : 1});
+  REQUIRE(bench.connect());
+  if (!told_at_once) {
+    bench.firmware.replies.push_back(
+        " T:200.00 /210.00 B:60.00 /60.00 T0:200.00 /210.00 T1:205.00 /210.00 @:9");
+    bench.firmware.replies.push_back(" T:200.00 /210.00 B:60.00 /60.00 C:31.00 /40.00 @:9");
+  }
+  const bool stops = GENERATE(false, true);
+  auto file = std::make_unique<MemorySource>(Lines{"M104 T1 S210", "T0"} + moves(500));
+  if (stops) file->fail_at = 30;
+  bench.driver.print(std::move(file), bench.t);
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() == 20; }));
+  if (!stops) bench.driver.cancel("", bench.t);
+  REQUIRE(bench.run_until([&] { return over(bench); }));
+  Lines printed = bench.printed();
+  if (!stops) printed.pop_back();  // M84
+  Lines off{"M104 S0", "M104 T0 S0", "M104 T1 S0", "M140 S0", "M107"};
+  if (!told_at_once) off.insert(off.end() - 1, "M141 S0");
+  REQUIRE(printed.size() > off.size());
+  CHECK(Lines(printed.end() - static_cast<std::ptrdiff_t>(off.size()), printed.end()) == off);
+}
+
   REQUIRE(bench.connect());
   for (int i = 0; i < 2; ++i) {
     bench.print(moves(20));

@@ -20,6 +20,7 @@ struct ModelOptions {
   bool resend_says_ok = true;
   bool advanced_ok = false;
   bool autoreport = true;
+  int extruders = 1;
 };
 
 /// A small, strict model of Marlin's receive side: bounded ring, command queue, line numbers, checksums,
@@ -149,8 +150,10 @@ class ModelFirmware {
 
   void identify() {
     replies.push_back(
-        "FIRMWARE_NAME:Marlin 2.1.2 (Jun 1 2024) SOURCE_CODE_URL:github.com/x PROTOCOL_VERSION:1.0 "
-        "MACHINE_TYPE:Model Machine EXTRUDER_COUNT:1 UUID:cede2a2f-41a2-4748-9b12-c55c62f367ff");
+        std::string(
+            "FIRMWARE_NAME:Marlin 2.1.2 (Jun 1 2024) SOURCE_CODE_URL:github.com/x PROTOCOL_VERSION:1.0 "
+            "MACHINE_TYPE:Model Machine EXTRUDER_COUNT:") +
+        std::to_string(options_.extruders) + " UUID:cede2a2f-41a2-4748-9b12-c55c62f367ff");
     replies.push_back(options_.autoreport ? "Cap:AUTOREPORT_TEMP:1" : "Cap:AUTOREPORT_TEMP:0");
     replies.push_back("Cap:EMERGENCY_PARSER:0");
   }

@@ -43,7 +43,8 @@ class SentLaws {
   void check(const std::string& line) {
     if (line.empty()) return;
     if (line[0] != 'N') {
-      static const char* const kRaw[] = {"M108", "M112", "M410", "M876", "M104 S0", "M140 S0", "M107"};
+      static const char* const kRaw[] = {"M108", "M112",    "M410",    "M876",
+                                         "M104", "M140 S0", "M141 S0", "M107"};
       require(std::any_of(std::begin(kRaw), std::end(kRaw),
                           [&](const char* raw) { return line.starts_with(raw); }),
               "a line without its number");
