@@ -19,6 +19,14 @@ bool reads_dense_moves(const std::string& firmware) {
   return firmware.starts_with("Marlin 2.") || firmware.starts_with("Marlin bugfix-2.");
 }
 
+// Marlin before 1.1 and many a Repetier end a line there; firmware that is not known may descend from them.
+bool colon_ends_line(const std::string& firmware) {
+  for (const char* family :
+       {"Marlin 1.1", "Marlin 2", "Marlin bugfix", "Prusa-Firmware", "Klipper", "Smoothie", "RepRapFirmware"})
+    if (firmware.find(family) != firmware.npos) return false;
+  return true;
+}
+
 }  // namespace
 
 void Driver::opened(double t) {
@@ -50,6 +58,7 @@ void Driver::greet(double t) {
   // The empty line ends whatever garbage stands in the printer's line buffer.
   link_.restart(0);
   link_.forget_packing();
+  link_.set_colon_ends_line(true);
   link_.set_dense(false);
   link_.set_piecewise(false);
   // A firmware that was not reset may still unpack; one that knows nothing of it is spared the bytes at
@@ -169,6 +178,7 @@ void Driver::become_ready(double t) {
   last_loss_.clear();
   polled_t_ = 0;
   const bool marlin_2 = reads_dense_moves(firmware_.name);
+  link_.set_colon_ends_line(colon_ends_line(firmware_.name));
   link_.set_dense(marlin_2);
   link_.set_piecewise(marlin_2);
   autoreport_ = offers("AUTOREPORT_TEMP");

@@ -122,6 +122,11 @@ void Link::break_line() {
 }
 
 void Link::send(std::string_view payload, Tag tag, double t) {
+  if (colon_ends_line_ && payload.find(':') != payload.npos) {
+    std::string bare(payload);
+    std::replace(bare.begin(), bare.end(), ':', '.');
+    return send(bare, tag, t);
+  }
   const std::uint32_t number = window_.next_number();
   outstanding_.push_back({number, tag});
   if (tag.is_long) long_number_ = number, oks_past_long_ = 0;

@@ -59,6 +59,8 @@ class Link {
   bool packing() const noexcept { return window_.packing(); }
   /// Whether moves go without blanks where they are not packed.
   void set_dense(bool on) noexcept { window_.set_dense(on); }
+  /// Whether a colon ends a line, as in firmware before Marlin 1.1: then a point goes in its place.
+  void set_colon_ends_line(bool on) noexcept { colon_ends_line_ = on; }
   /// After all was forgotten: nothing is packed.
   void forget_packing() noexcept { window_.set_packing(false), packed_once_ = false; }
   /// Until then oks may be left lying: when the last one has come that comes before the wire runs dry, so
@@ -184,6 +186,7 @@ class Link {
   int questions_ = 0;       ///< in this silence
   int questions_open_ = 0;  ///< sent and not answered
   bool packed_once_ = false;
+  bool colon_ends_line_ = true;
   std::uint64_t quiet_lines_ = 0;  ///< acknowledged since packing ended
   bool held_ = false;
   bool busy_seen_ = false;

@@ -35,7 +35,8 @@ TEST_CASE("a printer's own settings are known after connecting, in the words of 
 }
 
 TEST_CASE("each dialect prints a file exactly once", "[dialect]") {
-  const std::string firmware = GENERATE("marlin2", "marlin1", "prusa", "repetier", "smoothie", "klipper");
+  const std::string firmware =
+      GENERATE("marlin2", "marlin1", "marlin10", "prusa", "repetier", "smoothie", "klipper");
   CAPTURE(firmware);
   MockBench bench(mock::make_mock().firmware(firmware).cold_extrusion().instant_moves().build());
   REQUIRE(bench.connect());
@@ -51,6 +52,21 @@ TEST_CASE("each dialect prints a file exactly once", "[dialect]") {
   CHECK((moves.front() == "G1X0E0") == (firmware == "marlin2"));
   for (std::string& line : moves) line = spaced(line);
   CHECK(moves == file);
+}
+
+TEST_CASE("a text with a colon stops no print, and is shown as it is where that can be", "[dialect]") {
+  const std::string firmware = GENERATE("marlin2", "marlin1", "marlin10", "prusa", "repetier", "klipper");
+  CAPTURE(firmware);
+  MockBench bench(mock::make_mock().firmware(firmware).instant_moves().build());
+  REQUIRE(bench.connect());
+  bench.print({"G28", "M117 ETL: 00:19", "G1 X10"});
+  REQUIRE(bench.run_until([&] { return bench.over(); }, 120));
+  CHECK(bench.count<PrintFinished>() == 1);
+  CHECK(bench.printer.statistics().resends == 0);
+  const auto shown = std::find_if(bench.log.begin(), bench.log.end(),
+                                  [](const std::string& line) { return line.starts_with("M117"); });
+  REQUIRE(shown != bench.log.end());
+  CHECK((*shown == "M117 ETL: 00:19") == (firmware != "marlin10" && firmware != "repetier"));
 }
 
 TEST_CASE("a print that the printer starves of filament is paused", "[dialect]") {

@@ -38,6 +38,19 @@ Dialect marlin1() {
   return d;
 }
 
+/// What printers such as the first CR-10 came with.
+Dialect marlin10() {
+  Dialect d = marlin1();
+  d.name = "marlin10";
+  d.banner = "echo:Marlin 1.0.1\necho: Free Memory: 3861  PlannerBufferBytes: 1232\n";
+  d.identity =
+      "FIRMWARE_NAME:Marlin V1; Sprinter/grbl mashup for gen6 FIRMWARE_URL:voidpath PROTOCOL_VERSION:1.0 "
+      "MACHINE_TYPE:Mendel EXTRUDER_COUNT:1 UUID:00000000-0000-0000-0000-000000000000\n";
+  d.colon_ends_line = true;
+  d.busy = false;
+  return d;
+}
+
 Dialect prusa() {
   Dialect d = marlin1();
   d.name = "prusa";
@@ -124,6 +137,7 @@ Dialect klipper() {
 std::optional<Dialect> find_dialect(std::string_view name) {
   if (name == "marlin2") return marlin2();
   if (name == "marlin1") return marlin1();
+  if (name == "marlin10") return marlin10();
   if (name == "prusa") return prusa();
   if (name == "repetier") return repetier();
   if (name == "smoothie") return smoothie();

@@ -27,7 +27,7 @@ struct Dialect {
   bool blank_ok = false;         ///< empty and comment-only lines get an ok
   bool busy = true;              ///< `echo:busy: processing` while a command takes long
   bool autoreport = true;        ///< M155
-  bool colon_ends_line = false;  ///< an ASCII line ends at `:` outside M117 and M118
+  bool colon_ends_line = false;  ///< an ASCII line ends at `:`, in any text
   bool number_16_bit = false;    ///< line numbers compare in their low 16 bits
   bool wait_when_idle = false;   ///< `wait` each second while nothing is queued
   bool names_expected = false;   ///< errors of numbering say "expected X got Y"
@@ -47,7 +47,7 @@ struct Dialect {
   std::string no_number = "No Line Number with checksum, Last Line: ";
 };
 
-/// marlin2, marlin1, prusa, repetier, smoothie, klipper; nothing for an unknown name.
+/// marlin2, marlin1, marlin10, prusa, repetier, smoothie, klipper; nothing for an unknown name.
 std::optional<Dialect> find_dialect(std::string_view name);
 
 }  // namespace voidpath::test::mock

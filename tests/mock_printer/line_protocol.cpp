@@ -55,8 +55,8 @@ void LineProtocol::append(char byte) {
 }
 
 std::optional<LineResult> LineProtocol::take(char byte) {
-  const bool text = line_.find("M117") != line_.npos || line_.find("M118") != line_.npos;
-  if (byte == '\n' || byte == '\r' || (byte == ':' && dialect_.colon_ends_line && !text)) {
+  const bool colon = byte == ':' && dialect_.colon_ends_line && state_ != State::kRestIgnored;
+  if (byte == '\n' || byte == '\r' || colon) {
     LineResult result = finish();
     drop_partial();
     return result;

@@ -37,7 +37,7 @@ constexpr const char* kUsage =
     "  --log FILE            each executed command\n"
     "  --faults FILE.yaml    what goes wrong\n"
     "  --seed N              of the faults by chance\n"
-    "  --firmware NAME       marlin2, marlin1, prusa, repetier, smoothie, klipper, s3g\n"
+    "  --firmware NAME       marlin2, marlin1, marlin10, prusa, repetier, smoothie, klipper, s3g\n"
     "  --tools N --heated-bed   of an s3g printer (1, none); give --firmware before its motion's options\n"
     "  --baud N              pace of the wire in the printer's time (no limit)\n"
     "  --latency-ms F        round trip (0)\n"
