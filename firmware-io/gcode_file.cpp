@@ -3,6 +3,7 @@
 #include "firmware-io/marlin/words.h"
 #include "firmware-io/printer_port.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdio>
@@ -20,6 +21,7 @@ namespace {
 constexpr std::size_t kMaxFileLine = 1 << 20;
 // Lines are prepared so many at a time: a thread that wakes for each few of them finds its caches cold.
 constexpr std::size_t kAhead = 32;
+constexpr char kAxes[] = {'X', 'Y'};
 
 struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
@@ -73,10 +75,10 @@ class GcodeFile final : public LineSource {
     }
   }
 
-  // Appends the next command; false at the end of the file.
+  // Appends the next command, perhaps with one before it; false at the end of the file.
   bool read_command() {
-    while (read_line()) {
-      const std::uint32_t index = lines_++;
+    while (next_line()) {
+      const std::uint32_t index = lines_ - 1;
       std::string command;
       try {
         command = marlin::file_command(line_);
@@ -84,19 +86,65 @@ class GcodeFile final : public LineSource {
         throw std::runtime_error(name_ + ":" + std::to_string(index + 1) + ": " + error.what());
       }
       if (command.empty()) continue;
-      note_units(command);
-      ahead_[count_++] = {{marlin::trim_move(command, absolute_ && millimetres_), index}, read_};
+      const marlin::Word word = marlin::first_word(command);
+      if (word.letter == 'G') note_geometry(word.number, index);
+      bool rounded = false;
+      ahead_[count_++] = {{marlin::trim_move(command, rounds_ && absolute_ && millimetres_, &rounded), index},
+                          read_};
+      if (rounded || unlike_the_file()) note_place(word, command);
       return true;
     }
     return false;
   }
 
   // A file that says neither is taken to count on what the printer was left in.
-  void note_units(const std::string& command) {
-    const marlin::Word word = marlin::first_word(command);
-    if (word.letter != 'G') return;
-    if (word.number == 90 || word.number == 91) absolute_ = word.number == 90;
-    if (word.number == 20 || word.number == 21) millimetres_ = word.number == 21;
+  void note_geometry(int number, std::uint32_t index) {
+    if (number <= 1 || number == 4 || number == 10 || number == 11) return;
+    if (number == 2 || number == 3) return begin_arcs(index);
+    if (number == 90 || number == 91) absolute_ = number == 90;
+    if (number == 20 || number == 21) millimetres_ = number == 21;
+    if (number != 90 && number != 21) exact_ = {};
+  }
+
+  // What an arc begins and ends with decides where its middle is and which way it turns: half a micrometre is
+  // too much there.
+  void begin_arcs(std::uint32_t index) {
+    if (!std::exchange(rounds_, false) || !unlike_the_file()) return;
+    std::string exactly = "G1";
+    for (std::size_t i = 0; i < exact_.size(); ++i)
+      if (!exact_[i].empty()) exactly += std::string(" ") + kAxes[i] + exact_[i];
+    exact_ = {};
+    ahead_[count_++] = {{std::move(exactly), index}, read_};
+  }
+
+  bool unlike_the_file() const { return !exact_[0].empty() || !exact_[1].empty(); }
+
+  void note_place(const marlin::Word& word, const std::string& command) {
+    if (word.letter != 'G' || word.number > 1) return;
+    for (std::size_t i = 0; i < exact_.size(); ++i) {
+      std::string place = marlin::place_of(command, kAxes[i]);
+      if (place.empty()) continue;
+      const bool coarse =
+          place.size() - std::min(place.find('.'), place.size()) <= marlin::kPlaceDecimals + 1;
+      exact_[i] = coarse ? std::string() : std::move(place);
+    }
+  }
+
+  // A carriage return amid a line ends a command, as in the printer, but counts as no line.
+  bool next_line() {
+    if (!behind_return_.empty()) {
+      line_ = std::exchange(behind_return_, {});
+    } else if (read_line()) {
+      ++lines_;
+    } else {
+      return false;
+    }
+    const std::size_t end = line_.find('\r');
+    if (end != line_.npos) {
+      behind_return_ = line_.substr(end + 1);
+      line_.resize(end);
+    }
+    return true;
   }
 
   // The next line without its end; false at the end of the file.
@@ -120,10 +168,13 @@ class GcodeFile final : public LineSource {
   std::string name_;
   std::unique_ptr<std::FILE, CloseFile> file_;
   std::string line_;
+  std::string behind_return_;  ///< what of the last line is still to come
   std::uint32_t lines_ = 0;
   bool absolute_ = false;
-  bool millimetres_ = true;  ///< as every firmware begins
-  std::array<Ahead, kAhead> ahead_;
+  bool millimetres_ = true;           ///< as every firmware begins
+  bool rounds_ = true;                ///< until the first arc
+  std::array<std::string, 2> exact_;  ///< X and Y as the file has them, where the last move's were rounded
+  std::array<Ahead, kAhead + 1> ahead_;
   std::size_t count_ = 0;   ///< of them
   std::size_t at_ = 0;      ///< the next
   std::string error_;       ///< met behind them

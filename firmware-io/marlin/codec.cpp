@@ -76,6 +76,12 @@ std::uint8_t checksum(std::string_view bytes) noexcept {
   std::uint8_t sum = 0;
   for (const char c : bytes) sum = static_cast<std::uint8_t>(sum ^ static_cast<unsigned char>(c));
   return sum;
+// A checksum goes without its number too: its digits would join the command's last. In a text `*` is a
+// character.
+bool ends_command(char c, std::string_view command) {
+  return c == '\r' || c == '\n' || (c == '*' && !carries_text(command));
+}
+
 }
 
 void append_frame(std::string& out, std::uint32_t number, std::string_view payload) {
@@ -106,7 +112,11 @@ std::string sanitise(std::string_view raw) {
   out.reserve(raw.size());
   for (const char c : raw) {
     const char shown = c == '\t' ? ' ' : c;
-    if (allowed(shown) && !(out.empty() && shown == ' ')) out += shown;
+    if (allowed(shown)) {
+      if (!(out.empty() && shown == ' ')) out += shown;
+    } else if (ends_command(c, raw) && !out.empty()) {
+      break;
+    }
   }
   out.erase(out.find_last_not_of(' ') + 1);
   return out;

@@ -28,9 +28,10 @@ void append_frame(std::string& out, std::uint32_t number, std::string_view paylo
 /// bytes of a move are saved.
 void append_dense_frame(std::string& out, std::uint32_t number, std::string_view payload);
 
-/// The command as a firmware would read it: without its comment and the blanks around it, and without
-/// every character that a firmware drops or alters before it sums the line (anything beyond printable
-/// ASCII, `\`, `*`, parentheses). Empty when nothing is left. Length is not looked at.
+/// The first line's command as a firmware would read it: without its comment and the blanks around it,
+/// without a checksum (in texts, without the `*` alone), and without every character that a firmware drops or
+/// alters before it sums the line (anything beyond printable ASCII, `\`, `*`, parentheses). Empty when
+/// nothing is left. Length is not looked at.
 std::string sanitise(std::string_view raw);
 
 /// The lines of a text, whatever ends them, without empty ones.

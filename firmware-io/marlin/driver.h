@@ -103,6 +103,7 @@ class Driver final : public Dialogue {
   bool reports_by_itself() const noexcept;
   double poll_at() const noexcept;
   double end_probe_at() const noexcept;
+  void command_line(std::string_view raw, double t);
   void say_halt(double t);
   void fail(const std::string& reason);
   void disconnect(const std::string& reason);

@@ -116,8 +116,12 @@ void Driver::say_halt(double t) {
   enter(Phase::halted, t + kRepeatHalt_s);
 }
 
-void Driver::command(const std::string& raw, double t) {
+void Driver::command(const std::string& text, double t) {
   stamp_.look();
+  for (const std::string_view line : lines_of(text)) command_line(line, t);
+}
+
+void Driver::command_line(std::string_view raw, double t) {
   const std::string line = sanitise(raw);
   if (line.empty()) return;
   const Word word = first_word(line);

@@ -12,8 +12,6 @@ namespace {
 
 // 0.01 µm: below any printer's step.
 constexpr std::size_t kDecimals = 5;
-// Of a place on an absolute axis: half a micrometre at the most is lost, and nothing adds up.
-constexpr std::size_t kPlaceDecimals = 3;
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 char capital(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
@@ -108,11 +106,15 @@ void append_rounded(std::string& out, const Decimal& number) {
 }
 
 bool is_move(const Word& word) { return word.letter == 'G' && word.number >= 0 && word.number <= 3; }
+bool is_straight(const Word& word) { return word.letter == 'G' && (word.number == 0 || word.number == 1); }
 
 }  // namespace
 
-std::string trim_move(std::string_view line, bool absolute_mm) {
-  if (!is_move(first_word(line))) return std::string(line);
+std::string trim_move(std::string_view line, bool absolute_mm, bool* rounded) {
+  const Word word = first_word(line);
+  if (!is_move(word)) return std::string(line);
+  const bool rounds = absolute_mm && is_straight(word);
+  bool any = false;
   std::string out;
   out.reserve(line.size());
   for (std::string_view rest = line; !rest.empty();) {
@@ -127,12 +129,24 @@ std::string trim_move(std::string_view line, bool absolute_mm) {
       return std::string(line);
     out += letter;
     const bool place = letter == 'X' || letter == 'Y' || letter == 'Z';
-    if (place && absolute_mm && number->fraction.size() > kPlaceDecimals)
+    if (place && rounds && number->fraction.size() > kPlaceDecimals) {
       append_rounded(out, *number);
-    else
+      any = true;
+    } else {
       append(out, *number);
+    }
   }
-  return sets_line_number(out) ? std::string(line) : out;
+  if (sets_line_number(out)) return std::string(line);
+  if (rounded != nullptr) *rounded = any;
+  return out;
+}
+
+std::string place_of(std::string_view move, char axis) {
+  const auto at = move.find(axis);
+  if (at == move.npos) return {};
+  std::string_view rest = move.substr(at + 1);
+  const std::size_t all = rest.size();
+  return take_decimal(rest) ? std::string(move.substr(at + 1, all - rest.size())) : std::string();
 }
 
 std::string file_command(std::string_view raw) {

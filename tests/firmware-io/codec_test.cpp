@@ -41,6 +41,9 @@ TEST_CASE("bytes become lines wherever they are cut", "[codec]") {
     LineSplitter splitter;
     std::vector<std::string> lines;
     std::string line;
+  CHECK(sanitise("G1 X10*87") == "G1 X10");
+  CHECK(sanitise("M862.1 P0.4 *17") == "M862.1 P0.4");
+  CHECK(sanitise("\r\nG1 X1\rG1 X2") == "G1 X1");
     splitter.feed(std::string_view(stream).substr(0, cut));
     while (splitter.next(line)) lines.push_back(line);
     splitter.feed(std::string_view(stream).substr(cut));

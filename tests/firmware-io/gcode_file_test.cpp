@@ -52,6 +52,14 @@ TEST_CASE("a file's commands come in order with their line numbers", "[gcode_fil
   CHECK(source->size() == std::filesystem::file_size(file.path));
 }
 
+TEST_CASE("a carriage return amid a line divides two commands of one line number", "[gcode_file]") {
+  const ScratchFile file("G28\r\nG1 X1\rG1 X2\r\r\n\rM84");
+  const auto source = open_gcode_file(file.path);
+  std::vector<std::pair<std::uint32_t, std::string>> lines;
+  while (const auto line = source->next()) lines.emplace_back(line->index, line->text);
+  CHECK(lines == decltype(lines){{0, "G28"}, {1, "G1 X1"}, {1, "G1 X2"}, {2, "M84"}});
+}
+
 TEST_CASE("an unusable file is named with its line", "[gcode_file]") {
   CHECK_THROWS_WITH(open_gcode_file("/nowhere/x.gcode"), Catch::Contains("/nowhere/x.gcode"));
   const ScratchFile binary(std::string("G28\nG1 X1\0Y", 11));
@@ -70,6 +78,8 @@ TEST_CASE("commands are brought into the form a printer takes", "[gcode_file]") 
   CHECK(file_command("t1") == "T1");
   CHECK(file_command("N12 G1 X1*99") == "G1 X1");
   CHECK(file_command("N12G1 X1") == "G1 X1");
+  CHECK(file_command("G1 X10*87") == "G1 X10");
+  CHECK(file_command("N12 G1 X10*87 ; 3*4") == "G1 X10");
   CHECK(file_command("M110 N0").empty());
   CHECK(file_command("N0 M110*5").empty());
   CHECK(file_command("M117 of M110 N7").empty());
@@ -153,6 +163,9 @@ TEST_CASE("a move is written in fewer bytes", "[gcode_file]") {
   CHECK(marlin::trim_move("G1 X1.2345 Y9.9996 Z-0.0004 E1.234567", true) == "G1 X1.235 Y10 Z0 E1.234567");
   CHECK(marlin::trim_move("G1 X1.2345 Y-0.000 Z5.", false) == "G1 X1.2345 Y0 Z5");
   CHECK(marlin::trim_move("G2 X1.00 I0.12345 J-0.50000", true) == "G2 X1 I.12345 J-.5");
+  // A place rounded by half a micrometre moves the middle of a half circle by a hundred times as much.
+  CHECK(marlin::trim_move("G2 X10.00040 Y0.00 R5.0002", true) == "G2 X10.0004 Y0 R5.0002");
+  CHECK(marlin::trim_move("G3 X0.00 Y0.0004 I5.0 J0.0", true) == "G3 X0 Y.0004 I5 J0");
   for (const char* other : {"M117 X1.500 0.50", "G92 E0.000", "G29 P1.0", "G1 X Y", "G1 X1.2.3", "G1 X1-2",
                             "G1 X1 \"a 0.50\"", "G1 X."})
     CHECK(marlin::trim_move(other, true) == other);
@@ -200,4 +213,27 @@ TEST_CASE("places are rounded where nothing can add up", "[gcode_file]") {
   while (const auto line = source->next())
     if (line->text.starts_with("G1")) moves.push_back(line->text);
   CHECK(moves == std::vector<std::string>{"G1 X1.00049", "G1 X1", "G1 X1.00049", "G1 X1.00049"});
+}
+
+TEST_CASE("an arc begins where it was meant to, and from then on nothing is rounded", "[gcode_file]") {
+  const auto read = [](const std::string& text) {
+    const ScratchFile file(text);
+    const auto source = open_gcode_file(file.path);
+    std::vector<std::string> lines;
+    while (const auto line = source->next()) lines.push_back(line->text);
+    return lines;
+  };
+  using Lines = std::vector<std::string>;
+  CHECK(read("G90\nG1 X10.0004 Y7.00004\nG1 Z1.00004\nG1 E1\nG2 X10.0004 I5\nG1 X1.00049\nG2 X9 I1\n") ==
+        Lines{"G90", "G1 X10 Y7", "G1 Z1", "G1 E1", "G1 X10.0004 Y7.00004", "G2 X10.0004 I5", "G1 X1.00049",
+              "G2 X9 I1"});
+  // Where the last of them was exact, there is nothing to mend.
+  CHECK(read("G90\nG1 X10.0004 Y7.00004\nG1 X3 Y4\nG2 X3 I5\n") ==
+        Lines{"G90", "G1 X10 Y7", "G1 X3 Y4", "G2 X3 I5"});
+  CHECK(read("G90\nG1 X10.0004 Y7.00004\nG1 X3\nG3 X3 I5\n") ==
+        Lines{"G90", "G1 X10 Y7", "G1 X3", "G1 Y7.00004", "G3 X3 I5"});
+  // A place of another name by now.
+  for (const char* moved : {"G92 X0 Y0", "G28", "G91"})
+    CHECK(read("G90\nG1 X10.0004\n" + std::string(moved) + "\nG2 X1 I5\n") ==
+          Lines{"G90", "G1 X10", moved, "G2 X1 I5"});
 }
