@@ -1,5 +1,7 @@
 #include "daemon/jobs/filing.h"
 #include "daemon/jobs/runner.h"
+#include "firmware-io/marlin/codec.h"
+#include "firmware-io/marlin/words.h"
 
 #include <algorithm>
 #include <system_error>
@@ -139,6 +141,11 @@ void Runner::move(JobId id, std::int64_t place) {
 
 void Runner::command_line(const std::string& name, const std::string& line) {
   Printer& one = printer(name);
+  if (fw::marlin::first_word(fw::marlin::sanitise(line)) == fw::marlin::Word{'M', 112}) {
+    const std::string reason = "emergency stop by command";
+    one.halt_now(reason);
+    return halted(one.name(), reason);
+  }
   if (!one.connected()) throw CommandError("the printer is not connected: " + one.offline_reason());
   s_.log.info("terminal", {{"printer", one.name()}, {"line", line}});
   one.command(line);

@@ -116,6 +116,21 @@ TEST_CASE("a button that is stuck at the start confirms nothing, and none does w
   CHECK_FALSE(rig.runner->printers()[0]->memory.bed_clear);
 }
 
+TEST_CASE("M112 typed at the terminal stops as the button does, connected or not") {
+  const std::string line = GENERATE("M112", " m112 ; now");
+  PinRig rig;
+  rig.connect();
+  rig.print("a.stl");
+  if (line != "M112") rig.printer.say(fw::Disconnected{"unplugged"});
+  rig.loop.run();
+  rig.runner->command_line("", line);
+  CHECK_FALSE(rig.pins.active("relay"));
+  CHECK(rig.printer.count("halt") >= 1);
+  CHECK(rig.printer.count("command " + line) == 0);
+  CHECK_FALSE(rig.runner->printers()[0]->memory.bed_clear);
+  CHECK(rig.runner->printers()[0]->memory.held == "emergency stop by command");
+}
+
 TEST_CASE("the emergency stop cuts the power, halts, fails the job and holds the queue") {
   PinRig rig;
   rig.connect();
