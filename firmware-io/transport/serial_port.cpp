@@ -31,24 +31,22 @@ std::string resolve(const std::string& path) {
   return real.string();
 }
 
-// A descriptor of our own, configured through libserialport; -1 where it does not know the device.
-int open_through_library(const std::string& device, int baud) {
+// Through libserialport, which may not know the device. The port is open already, and stays so: DTR does not
+// fall.
+void set_line(const std::string& device, int baud) {
   sp_port* raw = nullptr;
-  if (::sp_get_port_by_name(device.c_str(), &raw) != SP_OK) return -1;
+  if (::sp_get_port_by_name(device.c_str(), &raw) != SP_OK) return;
   const PortHandle port(raw);
-  if (::sp_open(port.get(), SP_MODE_READ_WRITE) != SP_OK) return -1;
-  int fd = -1;
-  const bool set = ::sp_set_baudrate(port.get(), baud) == SP_OK && ::sp_set_bits(port.get(), 8) == SP_OK &&
-                   ::sp_set_parity(port.get(), SP_PARITY_NONE) == SP_OK &&
-                   ::sp_set_stopbits(port.get(), 1) == SP_OK &&
-                   ::sp_set_flowcontrol(port.get(), SP_FLOWCONTROL_NONE) == SP_OK &&
-                   ::sp_get_port_handle(port.get(), &fd) == SP_OK;
-  const int own = set ? ::fcntl(fd, F_DUPFD_CLOEXEC, 0) : -1;
-  ::sp_close(port.get());  // the duplicate keeps the line open: DTR does not fall
-  return own;
+  if (::sp_open(port.get(), SP_MODE_READ_WRITE) != SP_OK) return;
+  ::sp_set_baudrate(port.get(), baud);
+  ::sp_set_bits(port.get(), 8);
+  ::sp_set_parity(port.get(), SP_PARITY_NONE);
+  ::sp_set_stopbits(port.get(), 1);
+  ::sp_set_flowcontrol(port.get(), SP_FLOWCONTROL_NONE);
+  ::sp_close(port.get());
 }
 
-int open_plainly(const std::string& path, const std::string& device) {
+int open_port(const std::string& path, const std::string& device) {
   const int fd = ::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (fd < 0) throw PortError(path + ": " + std::strerror(errno));
   return fd;
@@ -58,11 +56,12 @@ int open_plainly(const std::string& path, const std::string& device) {
 
 std::unique_ptr<Transport> open_serial_port(const std::string& path, int baud, bool hang_up) {
   const std::string device = resolve(path);
-  const bool pseudo = is_pseudo_terminal(device);  // has no modem lines, which the library insists on
-  int fd = pseudo ? -1 : open_through_library(device, baud);
-  if (fd < 0) fd = open_plainly(path, device);
+  const int fd = open_port(path, device);
   auto transport = std::make_unique<FdTransport>(fd, path);
+  // Before anything is set: whoever uses it goes on as before.
   if (::flock(fd, LOCK_EX | LOCK_NB) != 0) throw PortError(path + ": in use by another program");
+  const bool pseudo = is_pseudo_terminal(device);  // has no modem lines, which the library insists on
+  if (!pseudo) set_line(device, baud);
   // A pseudo terminal outlives us in its owner's hands and would stay locked.
   if (!pseudo) ::ioctl(fd, TIOCEXCL);
   if (const int error = make_raw(fd, baud, hang_up))
