@@ -45,6 +45,12 @@ void append_framed(std::string& out, std::uint32_t number, std::string_view payl
   out.resize(static_cast<std::size_t>(to - out.data()));
 }
 
+// G53 and its like are followed by a command of its own, which Marlin finds by the blank.
+bool is_move_with_words(std::string_view payload) {
+  return payload.size() > 3 && payload[0] == 'G' && payload[1] >= '0' && payload[1] <= '3' &&
+         (payload[2] == ' ' || (payload[2] >= 'A' && payload[2] <= 'Z'));
+}
+
 // Where the comment begins. A semicolon cannot be quoted: Marlin cuts there in any text.
 std::size_t comment_start(std::string_view raw) { return std::min(raw.find(';'), raw.size()); }
 
@@ -70,18 +76,18 @@ bool carries_text(std::string_view text) {
   return starts("M117") || starts("M118") || starts("M23") || starts("M0") || starts("M1 ");
 }
 
-}  // namespace
-
-std::uint8_t checksum(std::string_view bytes) noexcept {
-  std::uint8_t sum = 0;
-  for (const char c : bytes) sum = static_cast<std::uint8_t>(sum ^ static_cast<unsigned char>(c));
-  return sum;
 // A checksum goes without its number too: its digits would join the command's last. In a text `*` is a
 // character.
 bool ends_command(char c, std::string_view command) {
   return c == '\r' || c == '\n' || (c == '*' && !carries_text(command));
 }
 
+}  // namespace
+
+std::uint8_t checksum(std::string_view bytes) noexcept {
+  std::uint8_t sum = 0;
+  for (const char c : bytes) sum = static_cast<std::uint8_t>(sum ^ static_cast<unsigned char>(c));
+  return sum;
 }
 
 void append_frame(std::string& out, std::uint32_t number, std::string_view payload) {
@@ -90,8 +96,10 @@ void append_frame(std::string& out, std::uint32_t number, std::string_view paylo
 }
 
 void append_dense_frame(std::string& out, std::uint32_t number, std::string_view payload) {
-  if (!payload.starts_with('G')) return append_frame(out, number, payload);
-  append_framed<true>(out, number, payload);
+  if (is_move_with_words(payload))
+    append_framed<true>(out, number, payload);
+  else
+    append_frame(out, number, payload);
 }
 
 std::string frame(std::uint32_t number, std::string_view payload) {

@@ -24,8 +24,8 @@ std::uint8_t checksum(std::string_view bytes) noexcept;
 std::string frame(std::uint32_t number, std::string_view payload);
 /// The same behind `out`.
 void append_frame(std::string& out, std::uint32_t number, std::string_view payload);
-/// The same with no blank in it where the payload is a G command: Marlin 2 reads it alike, and four or five
-/// bytes of a move are saved.
+/// The same with no blank in it where the payload is a move (G0 to G3): Marlin 2 reads it alike, and four or
+/// five bytes of a move are saved.
 void append_dense_frame(std::string& out, std::uint32_t number, std::string_view payload);
 
 /// The first line's command as a firmware would read it: without its comment and the blanks around it,

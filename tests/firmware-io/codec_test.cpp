@@ -18,6 +18,19 @@ TEST_CASE("the longest payload at seven digits just fits Marlin's line", "[codec
   CHECK(framed.size() - 1 <= kMaxFramed);
 }
 
+TEST_CASE("only moves lose their blanks: elsewhere they may divide two commands", "[codec]") {
+  const auto dense = [](const char* payload) {
+    std::string out;
+    append_dense_frame(out, 3, payload);
+    return out.substr(0, out.find('*'));
+  };
+  CHECK(dense("G1 X1 Y2") == "N3G1X1Y2");
+  CHECK(dense("G3 I1 J2") == "N3G3I1J2");
+  CHECK(dense("G0X1 Y2") == "N3G0X1Y2");
+  for (const char* other : {"G53 G1 X1", "G28 X Y", "G1.5 X1", "G92 E0", "G0", "M104 S0", "T0"})
+    CHECK(dense(other) == "N3 " + std::string(other));
+}
+
 TEST_CASE("sanitising leaves only what reaches the checksum unaltered", "[codec]") {
   CHECK(sanitise("  G1 X1 ; to the right") == "G1 X1");
   CHECK(sanitise("G1 (fast) X1\r") == "G1  X1");

@@ -141,7 +141,9 @@ inline void fuzz_marlin_file(const std::uint8_t* data, std::size_t size) {
     }
     check_framed(frame(number, trimmed), number, trimmed);
     std::string bare = trimmed;
-    if (trimmed.front() == 'G') std::erase(bare, ' ');
+    if (std::string_view("G0G1G2G3").find(trimmed.substr(0, 2)) % 2 == 0 && trimmed.size() > 3 &&
+        (trimmed[2] == ' ' || (trimmed[2] >= 'A' && trimmed[2] <= 'Z')))
+      std::erase(bare, ' ');
     std::string dense;
     append_dense_frame(dense, number, trimmed);
     check_framed(dense, number, bare);
