@@ -127,7 +127,9 @@ void Driver::on_restart(double t) {
 void Driver::on_action(const Action& action, double t) {
   if (action.name.starts_with("prompt_")) return on_prompt(action);
   emit(Message{"action: " + action.name + (action.argument.empty() ? "" : " " + action.argument)});
-  if (action.name == "pause" || action.name == "paused" || action.name == "out_of_filament") {
+  if (action.name == "probe_failed") {
+    if (job_) job_->pause(true, "probing failed");
+  } else if (action.name == "pause" || action.name == "paused" || action.name == "out_of_filament") {
     if (job_) job_->pause(true, action.argument.empty() ? "the printer asked for it" : action.argument);
     if (action.name == "paused") link_.hold(), panel_waits_ = true;
   } else if (action.name == "resume" || action.name == "resumed") {
@@ -152,8 +154,6 @@ void Driver::on_prompt(const Action& action) {
   }
 }
 
-void Driver::note_sensors(const Sensors& sensors) {
-  hot_ = std::any_of(sensors.begin(), sensors.end(), [](const auto& sensor) {
 // What it tells a temperature of it may heat, whatever it said of itself: Klipper says nothing.
 void Driver::note_heaters(const Sensors& sensors) {
   int tools = 1;
@@ -162,11 +162,13 @@ void Driver::note_heaters(const Sensors& sensors) {
   if (sensors.count("C") > 0) firmware_.capabilities["CHAMBER_TEMPERATURE"] = true;
 }
 
+void Driver::note_sensors(const Sensors& sensors) {
+  hot_ = std::any_of(sensors.begin(), sensors.end(), [](const auto& sensor) {
     return sensor.second.actual_c > kHot_c || sensor.second.target_c > 0;
   });
+  note_heaters(sensors);
   polled_t_ = received_t_;
   emit(Temperatures{sensors});
-  note_heaters(sensors);
 }
 
 }  // namespace voidpath::fw::marlin

@@ -110,6 +110,8 @@ Error parse_error(std::string_view text) {
                          "switched off", "maxtemp", "mintemp", "thermal runaway", "stop called",
                          "kill caused", "emergency stop", "shutdown"})) {
     error.kind = Error::Kind::fatal;
+  } else if (contains_any(low, {"probing failed", "failed to enable bed leveling"})) {
+    error.kind = Error::Kind::refused;
   } else if (contains_any(low, {"checksum", "line number", "linenumber", "expected line", "format error"})) {
     error.kind = Error::Kind::framing;
     if (const auto last = low.rfind("last line"); last != std::string::npos) {
@@ -145,10 +147,10 @@ Firmware parse_firmware(std::string_view text) {
   firmware.info.name = values["FIRMWARE_NAME"];
   firmware.info.machine = values["MACHINE_TYPE"];
   firmware.info.uuid = values["UUID"];
-  return firmware;
-}
   std::string_view extruders = values["EXTRUDER_COUNT"];
   firmware.info.extruders = std::clamp(take_number<int>(extruders).value_or(1), 1, kMostExtruders);
+  return firmware;
+}
 
 std::optional<Reply> parse_busy(std::string_view line) {
   if (line.starts_with("echo:")) line.remove_prefix(5);

@@ -28,7 +28,7 @@ struct Error {
   enum class Kind {
     framing,  ///< a damaged or misplaced line; a Resend follows as a rule
     fatal,    ///< the firmware has stopped or is about to
-    refused,  ///< `!!`: a command was not carried out
+    refused,  ///< a command of weight was not carried out: `!!`, or a levelling that failed
     other,    ///< a complaint about one command
   };
   Kind kind = Kind::other;

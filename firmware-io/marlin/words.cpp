@@ -70,7 +70,7 @@ bool is_motion(std::string_view command) noexcept {
 }
 
 bool is_pause(std::string_view command) noexcept {
-  static constexpr int kPauses[] = {0, 1};
+  static constexpr int kPauses[] = {0, 1, 25};
   return is_m_of(command, kPauses);
 }
 

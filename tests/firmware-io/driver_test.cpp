@@ -120,12 +120,13 @@ TEST_CASE("pause holds the file back and resume goes on with the next line", "[d
   CHECK(bench.printed() == moves(200) + Lines{"M400"});
 }
 
-TEST_CASE("M0 in a file pauses here and is not forwarded", "[driver]") {
+TEST_CASE("M0 or M25 in a file pauses here and is not forwarded", "[driver]") {
+  const std::string pause = GENERATE("M0 change filament", "M25");
   DriverBench bench;
   REQUIRE(bench.connect());
-  bench.print(moves(3) + Lines{"M0 change filament"} + moves(2));
+  bench.print(moves(3) + Lines{pause} + moves(2));
   REQUIRE(bench.run_until([&] { return bench.count<Paused>() == 1; }));
-  CHECK(bench.get<Paused>().reason == "M0 change filament");
+  CHECK(bench.get<Paused>().reason == pause);
   bench.run_for(5);
   CHECK(bench.printed() == moves(3));
   bench.driver.resume(bench.t);
@@ -147,6 +148,23 @@ TEST_CASE("the printer itself pauses, resumes and cancels", "[driver]") {
   bench.firmware.replies.push_back("//action:cancel");
   REQUIRE(bench.run_until([&] { return over(bench); }));
   CHECK(bench.count<PrintCancelled>() == 1);
+}
+
+TEST_CASE("a probing that failed pauses the print: a person decides whether it goes on unlevelled",
+          "[driver]") {
+  const std::string said = GENERATE("Error:Probing Failed", "//action:probe_failed");
+  DriverBench bench;
+  REQUIRE(bench.connect());
+  bench.print(Lines{"G28", "G29"} + moves(500));
+  REQUIRE(bench.run_until([&] { return bench.firmware.front() && *bench.firmware.front() == "G29"; }));
+  bench.firmware.replies.push_back(said);
+  REQUIRE(bench.run_until([&] { return bench.count<Paused>() == 1; }));
+  CHECK(bench.get<Paused>().by_printer);
+  bench.run_for(60);
+  CHECK(bench.printed() == Lines{"G28", "G29"});
+  bench.driver.resume(bench.t);
+  REQUIRE(bench.run_until([&] { return over(bench); }));
+  CHECK(bench.count<PrintFinished>() == 1);
 }
 
 TEST_CASE("cancel ends with lift, heaters, fan and motors, in this order", "[driver]") {
@@ -211,24 +229,6 @@ TEST_CASE("cancel while heating does not wait for the temperature", "[driver]") 
   CHECK(bench.printed() == Lines{"M109 S200", "M108", "M104 S0", "M140 S0", "M107", "M84"});
 }
 
-TEST_CASE("halt puts M112 on the wire ahead of everything, without and with a number", "[driver]") {
-  DriverBench bench;
-  REQUIRE(bench.connect());
-  bench.print(moves(500));
-  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() == 20; }));
-  bench.driver.output() += "N77 G1 X1 half a li";
-  bench.driver.halt("button", bench.t);
-  CHECK(bench.driver.output().starts_with("\nM112\nN"));
-  CHECK(bench.driver.take_urgent());
-  CHECK_FALSE(bench.driver.take_urgent());
-  REQUIRE(bench.run_until([&] { return bench.driver.closing(); }, 10));
-  CHECK(bench.firmware.dead);
-  CHECK(bench.get<PrintFailed>().reason == "button");
-  CHECK(bench.get<Disconnected>().reason == "button");
-}
-
-TEST_CASE("the statistics of a print are its own", "[driver]") {
-  DriverBench bench;
 TEST_CASE("every hotend is left cold, not the one at work alone", "[driver]") {
   const bool told_at_once = GENERATE(false, true);
   DriverBench bench({.extruders = told_at_once ? 2 : 1});
@@ -253,6 +253,24 @@ TEST_CASE("every hotend is left cold, not the one at work alone", "[driver]") {
   CHECK(Lines(printed.end() - static_cast<std::ptrdiff_t>(off.size()), printed.end()) == off);
 }
 
+TEST_CASE("halt puts M112 on the wire ahead of everything, without and with a number", "[driver]") {
+  DriverBench bench;
+  REQUIRE(bench.connect());
+  bench.print(moves(500));
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() == 20; }));
+  bench.driver.output() += "N77 G1 X1 half a li";
+  bench.driver.halt("button", bench.t);
+  CHECK(bench.driver.output().starts_with("\nM112\nN"));
+  CHECK(bench.driver.take_urgent());
+  CHECK_FALSE(bench.driver.take_urgent());
+  REQUIRE(bench.run_until([&] { return bench.driver.closing(); }, 10));
+  CHECK(bench.firmware.dead);
+  CHECK(bench.get<PrintFailed>().reason == "button");
+  CHECK(bench.get<Disconnected>().reason == "button");
+}
+
+TEST_CASE("the statistics of a print are its own", "[driver]") {
+  DriverBench bench;
   REQUIRE(bench.connect());
   for (int i = 0; i < 2; ++i) {
     bench.print(moves(20));
@@ -286,7 +304,9 @@ TEST_CASE("a user's line goes between the print's own", "[driver]") {
   REQUIRE(bench.run_until([&] { return over(bench); }));
   Lines printed = bench.printed();
   CHECK(std::count(printed.begin(), printed.end(), "M220 S90") == 1);
+  CHECK(std::count(printed.begin(), printed.end(), "M221 S95") == 1);
   std::erase(printed, "M220 S90");
+  std::erase(printed, "M221 S95");
   CHECK(printed == moves(100) + Lines{"M400"});
   CHECK(bench.count<LineDone>() == 100);
 }
@@ -304,9 +324,7 @@ TEST_CASE("print without a printer, or beside a print, is refused", "[driver]") 
 }
 
 TEST_CASE("shutting down turns the heaters off first", "[driver]") {
-  CHECK(std::count(printed.begin(), printed.end(), "M221 S95") == 1);
   marlin::DriverOptions options;
-  std::erase(printed, "M221 S95");
   options.cancel_gcode = {"G1 Z10"};
   DriverBench bench({}, options);
   REQUIRE(bench.connect());
