@@ -13,9 +13,9 @@ namespace voidpath::fw::marlin {
 /// so that the line could never pass.
 inline constexpr std::size_t kMaxFramed = 95;
 
-/// What is left of kMaxFramed for the command itself: `N`, up to 7 digits, a blank, `*` and 3 digits are
-/// ours.
-inline constexpr std::size_t kMaxPayload = kMaxFramed - 13;
+/// What is left of kMaxFramed for the command itself: `N`, up to 9 digits, a blank, `*` and 3 digits are
+/// ours. Numbers go on from print to print.
+inline constexpr std::size_t kMaxPayload = kMaxFramed - 15;
 
 /// XOR of all bytes.
 std::uint8_t checksum(std::string_view bytes) noexcept;

@@ -13,8 +13,8 @@ TEST_CASE("a line is framed with number and checksum", "[codec]") {
   CHECK(checksum("") == 0);
 }
 
-TEST_CASE("the longest payload at seven digits just fits Marlin's line", "[codec]") {
-  const std::string framed = frame(9999999, std::string(kMaxPayload, 'X'));
+TEST_CASE("the longest payload still fits Marlin's line after a year of lines", "[codec]") {
+  const std::string framed = frame(999'999'999, std::string(kMaxPayload, 'X'));
   CHECK(framed.size() - 1 <= kMaxFramed);
 }
 
@@ -41,6 +41,9 @@ TEST_CASE("sanitising leaves only what reaches the checksum unaltered", "[codec]
   CHECK(sanitise("G1\tX1") == "G1 X1");
   CHECK(sanitise("\xFF\tG1 X1") == "G1 X1");
   CHECK(sanitise("G1 X1\bY2") == "G1 X1Y2");
+  CHECK(sanitise("G1 X10*87") == "G1 X10");
+  CHECK(sanitise("M862.1 P0.4 *17") == "M862.1 P0.4");
+  CHECK(sanitise("\r\nG1 X1\rG1 X2") == "G1 X1");
   for (int c = 0; c < 256; ++c) {
     const std::string clean = sanitise(std::string("M117 x") + static_cast<char>(c) + "y");
     CHECK(is_clean(clean));
@@ -54,9 +57,6 @@ TEST_CASE("bytes become lines wherever they are cut", "[codec]") {
     LineSplitter splitter;
     std::vector<std::string> lines;
     std::string line;
-  CHECK(sanitise("G1 X10*87") == "G1 X10");
-  CHECK(sanitise("M862.1 P0.4 *17") == "M862.1 P0.4");
-  CHECK(sanitise("\r\nG1 X1\rG1 X2") == "G1 X1");
     splitter.feed(std::string_view(stream).substr(0, cut));
     while (splitter.next(line)) lines.push_back(line);
     splitter.feed(std::string_view(stream).substr(cut));
