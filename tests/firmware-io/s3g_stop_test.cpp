@@ -1,9 +1,61 @@
+#include "firmware-io/s3g/session.h"
+#include "firmware-io/transport/loopback.h"
 #include "tests/firmware-io/s3g_prints.h"
 
+#include <array>
+#include <future>
+#include <thread>
+
 #include <catch2/catch.hpp>
+#include <poll.h>
 
 using namespace voidpath::fw;
 using namespace voidpath::test;
+
+namespace {
+
+/// A MakerBot on a thread of its own, at whose time nothing moves; the first aborts do not reach it.
+class HardOfHearing {
+ public:
+  HardOfHearing(std::unique_ptr<Transport> wire, int aborts_lost)
+      : wire_(std::move(wire)), aborts_lost_(aborts_lost) {
+    thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+  }
+  std::uint64_t aborts() {
+    thread_.request_stop();
+    thread_.join();
+    return mock_.aborts();
+  }
+
+ private:
+  void run(const std::stop_token& stop) {
+    const std::string abort = s3g::frame("\x07");
+    std::array<char, 4096> buffer;
+    while (!stop.stop_requested()) {
+      pollfd fd{wire_->fd(), POLLIN, 0};
+      ::poll(&fd, 1, 2);
+      try {
+        while (const auto n = wire_->read(buffer)) {
+          std::string bytes(buffer.data(), n);
+          if (const auto at = bytes.find(abort); at != std::string::npos && aborts_lost_ > 0) {
+            --aborts_lost_;
+            bytes.erase(at, abort.size());
+          }
+          mock_.feed(bytes);
+          wire_->write(mock_.take_output());
+        }
+      } catch (const PortError&) {
+        return;  // the host closed its end
+      }
+    }
+  }
+  std::unique_ptr<Transport> wire_;
+  int aborts_lost_;
+  mock::MockS3g mock_;
+  std::jthread thread_;
+};
+
+}  // namespace
 
 TEST_CASE("a cancel at the panel when all has been sent is no finished print", "[s3g]") {
   S3gBench bench(real_wire());
@@ -225,4 +277,24 @@ TEST_CASE("the emergency stop is heard when a packet's rest was lost", "[s3g]") 
   bench.driver.halt("button", bench.t);
   REQUIRE(bench.run_until([&] { return bench.mock.aborts() > 0; }, 5));
   CHECK(bench.t - asked < 0.3);
+}
+
+TEST_CASE("a session does not end before its emergency stop has been heard", "[s3g][session]") {
+  Loopback loopback = make_loopback();
+  HardOfHearing printer(std::move(loopback.device), 2);
+  std::promise<void> connected, printing;
+  int lines = 0;
+  auto port = s3g::start_session(
+      {}, {}, [&] { return std::move(loopback.host); }, steady_clock(),
+      [&](const Event& event) {
+        if (std::holds_alternative<Connected>(event.what)) connected.set_value();
+        if (std::holds_alternative<LineDone>(event.what) && ++lines == 3) printing.set_value();
+      });
+  const auto patience = std::chrono::seconds(20);
+  REQUIRE(connected.get_future().wait_for(patience) == std::future_status::ready);
+  port->print(std::make_unique<MemorySource>(Lines{"G92 X0 Y0 Z0", "M83"} + moves(100)));
+  REQUIRE(printing.get_future().wait_for(patience) == std::future_status::ready);
+  port->halt("button");
+  port.reset();
+  CHECK(printer.aborts() >= 1);
 }
