@@ -139,13 +139,13 @@ void Driver::check_health(double t) {
     case Window::Health::good:
       return;
     case Window::Health::stuck:
-      fail("the printer refuses one line again and again");
+      give_up("the printer refuses one line again and again", t);
       break;
     case Window::Health::no_history:
-      fail("the printer asks for a line that was never sent or is long gone");
+      give_up("the printer asks for a line that was never sent or is long gone", t);
       break;
     case Window::Health::silent:
-      fail("the printer no longer answers");
+      give_up("the printer no longer answers", t);
       break;
     case Window::Health::restarted:
       on_restart(t);
@@ -154,14 +154,11 @@ void Driver::check_health(double t) {
 }
 
 // The dialogue cannot go on: what may still be heard is M112.
-void Driver::fail(const std::string& reason) {
-  if (job_) {
-    link_.send_raw("\nM112", false, received_t_);
-    report_stats();
-    job_.reset();
-    emit(PrintFailed{reason});
-  }
-  disconnect(reason);
+void Driver::give_up(const std::string& reason, double t) {
+  if (job_)
+    halt(reason, t);
+  else
+    disconnect(reason);
 }
 
 void Driver::disconnect(const std::string& reason) {

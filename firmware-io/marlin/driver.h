@@ -105,7 +105,7 @@ class Driver final : public Dialogue {
   double end_probe_at() const noexcept;
   void command_line(std::string_view raw, double t);
   void say_halt(double t);
-  void fail(const std::string& reason);
+  void give_up(const std::string& reason, double t);
   void disconnect(const std::string& reason);
   LinkStats link_stats() const;
   void report_stats();

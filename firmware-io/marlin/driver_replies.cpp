@@ -106,7 +106,13 @@ void Driver::on_error(const Error& error, double t) {
   if (error.kind == Error::Kind::refused && job_) job_->pause(true, error.text);
   if (error.kind != Error::Kind::fatal) return;
   for (const std::string& line : heaters_off(firmware_)) link_.send_raw(line, false, t);
-  fail(error.text);
+  if (job_) {
+    link_.send_raw("\nM112", false, t);
+    report_stats();
+    job_.reset();
+    emit(PrintFailed{error.text});
+  }
+  disconnect(error.text);
 }
 
 void Driver::on_restart(double t) {

@@ -187,7 +187,25 @@ TEST_CASE("a printer that falls silent is noticed and the print failed", "[drive
   bench.mute = true;
   REQUIRE(bench.run_until([&] { return over(bench); }, 400));
   CHECK(bench.get<PrintFailed>().reason == "the printer no longer answers");
-  CHECK(bench.driver.closing());
+  CHECK(bench.get<Disconnected>().reason == "the printer no longer answers");
+  REQUIRE(bench.run_until([&] { return bench.driver.closing(); }, 20));
+}
+
+TEST_CASE("a printer that is given up is told M112 until it has room for it", "[driver]") {
+  DriverBench bench;
+  REQUIRE(bench.connect());
+  bench.print(moves(500));
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() == 20; }));
+  bench.mute = true;
+  int said = 0;
+  bench.to_printer = [&](const std::string& line) {
+    return line.find("M112") != line.npos && ++said <= 6 ? std::string() : line;
+  };
+  REQUIRE(bench.run_until([&] { return over(bench); }, 400));
+  bench.mute = false;
+  REQUIRE(bench.run_until([&] { return bench.driver.closing(); }, 5));
+  CHECK(bench.firmware.dead);
+  CHECK(said == 8);  // each time without a number and with one
 }
 
 TEST_CASE("a long command with busy, and one in silence, are waited for", "[driver]") {
