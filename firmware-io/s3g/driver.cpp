@@ -1,5 +1,7 @@
 #include "firmware-io/s3g/driver.h"
 
+#include "firmware-io/heaters_off.h"
+
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -265,13 +267,12 @@ void Driver::forget_sending() {
   told_cancelled_ = false;
 }
 
-std::vector<std::string> Driver::heaters_off() const {
-  std::vector<std::string> out;
-  for (int tool = 0; tool < options_.machine.extruders; ++tool)
-    out.push_back("M104 S0 T" + std::to_string(tool));
-  if (options_.machine.heated_bed) out.push_back("M140 S0");
-  out.push_back("M107");
-  return out;
+// Lift and park, cool down, motors free.
+std::vector<std::string> Driver::leaving() const {
+  std::vector<std::string> lines = options_.cancel_gcode;
+  for (std::string& line : heaters_off(firmware_)) lines.push_back(std::move(line));
+  lines.push_back("M84");
+  return lines;
 }
 
 void Driver::print(std::unique_ptr<LineSource> source, double t) {
@@ -284,7 +285,8 @@ void Driver::print(std::unique_ptr<LineSource> source, double t) {
   before_print_ = link_stats();
   encoder_.restart();
   wants_paused_ = toggle_pending_ = seen_running_ = told_cancelled_ = false;
-  job_ = std::make_unique<PrintJob>(std::move(source), encoder_, [this](auto what) {
+  PrintJob::Endings endings{leaving(), heaters_off(firmware_)};
+  job_ = std::make_unique<PrintJob>(std::move(source), encoder_, std::move(endings), [this](auto what) {
     const bool last = std::holds_alternative<PrintFinished>(what) ||
                       std::holds_alternative<PrintCancelled>(what) ||
                       std::holds_alternative<PrintFailed>(what);
@@ -359,16 +361,13 @@ void Driver::cancel(const std::string& reason, double t) {
   last_t_ = t;
   if (!job_ || job_->ending()) return;
   if (!reason.empty()) emit(Message{"cancelled: " + reason});
-  std::vector<std::string> lines = options_.cancel_gcode;
-  for (std::string& line : heaters_off()) lines.push_back(std::move(line));
-  lines.push_back("M84");
-  end_job(std::move(lines), PrintCancelled{}, t);
+  end_job(leaving(), PrintCancelled{}, t);
 }
 
 void Driver::shut_down(double t) {
   last_t_ = t;
   if (!job_ || job_->ending()) return;
-  std::vector<std::string> lines = heaters_off();
+  std::vector<std::string> lines = heaters_off(firmware_);
   lines.insert(lines.end(), options_.cancel_gcode.begin(), options_.cancel_gcode.end());
   lines.push_back("M84");
   end_job(std::move(lines), PrintCancelled{}, t);

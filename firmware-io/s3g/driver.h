@@ -97,7 +97,7 @@ class Driver final : public Dialogue {
   void drop_job(decltype(Event::what) outcome);
   void disconnect(const std::string& reason);
   void settle(double t);
-  std::vector<std::string> heaters_off() const;
+  std::vector<std::string> leaving() const;
   LinkStats link_stats() const;
   void report_stats();
 

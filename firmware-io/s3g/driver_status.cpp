@@ -52,6 +52,7 @@ void Driver::opened(double t) {
   link_.restart(t);
   forget_sending();
   firmware_ = {};
+  firmware_.extruders = options_.machine.extruders;
   sensors_.clear();
   build_ = BuildState::none;
   phase_ = Phase::greeting;

@@ -33,8 +33,8 @@ bool is_wait(const Action& action) {
 
 }  // namespace
 
-PrintJob::PrintJob(std::unique_ptr<LineSource> source, Encoder& encoder, Emit emit)
-    : source_(std::move(source)), encoder_(encoder), emit_(std::move(emit)) {}
+PrintJob::PrintJob(std::unique_ptr<LineSource> source, Encoder& encoder, Endings endings, Emit emit)
+    : source_(std::move(source)), encoder_(encoder), endings_(std::move(endings)), emit_(std::move(emit)) {}
 
 std::optional<Question> PrintJob::question(double t) {
   if (!asks() || out_ || t < ask_t_) return {};
@@ -144,7 +144,8 @@ void PrintJob::on_build(BuildState state) {
     pending_.push_back(encoder_.build_start("voidpath"));
     return;
   }
-  if (state == BuildState::none) return fail_softly("the printer restarted in mid-print");
+  if (state == BuildState::none)
+    return end(std::move(endings_.cool), PrintFailed{"the printer restarted in mid-print"});
   build_seen_ = true;
   if (state_ != State::finishing || !pending_.empty()) return;
   if (state == BuildState::cancelled) {
@@ -192,7 +193,7 @@ void PrintJob::fetch() {
       take_line(*line);
     }
   } catch (const std::exception& error) {
-    fail_softly(error.what());
+    end(std::move(endings_.leave), PrintFailed{error.what()});
   }
 }
 
@@ -218,10 +219,6 @@ void PrintJob::take_line(const SourceLine& line) {
       if (pending_.empty()) advance();
       return;
   }
-}
-
-void PrintJob::fail_softly(const std::string& reason) {
-  end({"M104 S0", "M140 S0", "M107"}, PrintFailed{reason});
 }
 
 void PrintJob::on_accepted(const Accepted& accepted) {

@@ -34,7 +34,13 @@ struct Question {
 /// asked before the build is ended, and again when all is done.
 class PrintJob {
  public:
-  PrintJob(std::unique_ptr<LineSource> source, Encoder& encoder, Emit emit);
+  /// Lines that end a print which cannot go on.
+  struct Endings {
+    std::vector<std::string> leave;
+    std::vector<std::string> cool;  ///< the heaters alone, where nobody knows where it stands
+  };
+
+  PrintJob(std::unique_ptr<LineSource> source, Encoder& encoder, Endings endings, Emit emit);
 
   /// What must be known before anything more is sent; at most once a poll.
   std::optional<Question> question(double t);
@@ -81,12 +87,12 @@ class PrintJob {
   void advance();
   void rested();
   void on_build(BuildState state);
-  void fail_softly(const std::string& reason);
   void queue_ending();
   void finish(decltype(Event::what) outcome);
 
   std::unique_ptr<LineSource> source_;
   Encoder& encoder_;
+  Endings endings_;
   Emit emit_;
   State state_ = State::starting;
   Wait wait_ = Wait::build;
