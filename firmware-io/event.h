@@ -76,7 +76,8 @@ struct LinkStats {
   std::uint64_t bytes_sent = 0;
   int window_bytes = 0;
   /// Signs that the printer may have obeyed a damaged line: an ok for a line without a number, an unknown
-  /// command, a request for a line already acknowledged. Marlin cannot see every damage.
+  /// command, a request for a line already acknowledged. Marlin cannot see every damage. Over S3G: commands that may
+  /// have run twice.
   std::uint64_t doubts = 0;
 };
 

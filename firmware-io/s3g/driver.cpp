@@ -88,6 +88,10 @@ void Driver::take_outcomes(double t) {
       on_answer(*answer, t);
     } else if (const auto* accepted = std::get_if<Accepted>(&*outcome)) {
       if (room_) *room_ -= std::min(*room_, static_cast<std::uint32_t>(accepted->action.payload.size()));
+      if (accepted->in_doubt) {
+        ++doubts_;
+        emit(Message{"a reply was lost and its command may have run twice"});
+      }
       if (act_by_job_ && job_) job_->on_accepted(*accepted);
     } else if (auto* no_room = std::get_if<NoRoom>(&*outcome)) {
       if (act_by_job_ && job_ && job_->stopping()) {
@@ -418,7 +422,7 @@ void Driver::disconnect(const std::string& reason) {
 }
 
 LinkStats Driver::link_stats() const {
-  return {link_.packets_sent(), link_.resends(), link_.bytes_sent(), 0};
+  return {link_.packets_sent(), link_.resends(), link_.bytes_sent(), 0, doubts_};
 }
 
 void Driver::report_stats() {
@@ -426,6 +430,7 @@ void Driver::report_stats() {
   stats.lines_sent -= before_print_.lines_sent;
   stats.resends -= before_print_.resends;
   stats.bytes_sent -= before_print_.bytes_sent;
+  stats.doubts -= before_print_.doubts;
   emit(stats);
 }
 

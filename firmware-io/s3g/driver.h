@@ -138,6 +138,7 @@ class Driver final : public Dialogue {
   int glance_step_ = 0;        ///< of the three queries that make a Glance
   Glance glance_;
   LinkStats before_print_;
+  std::uint64_t doubts_ = 0;  ///< commands that may have run twice
 };
 
 }  // namespace voidpath::fw::s3g

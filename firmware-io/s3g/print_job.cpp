@@ -222,7 +222,6 @@ void PrintJob::take_line(const SourceLine& line) {
 }
 
 void PrintJob::on_accepted(const Accepted& accepted) {
-  if (accepted.in_doubt) emit_(Message{"a reply was lost and its move may have run twice"});
   const Action& action = accepted.action;
   if (state_ == State::stopping) {
     out_ = false;

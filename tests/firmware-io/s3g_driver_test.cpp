@@ -396,3 +396,27 @@ TEST_CASE("a command of the user's goes between the print's own", "[s3g]") {
   REQUIRE(bench.run_until([&] { return bench.mock.hotend().target() == 120; }, 30));
   CHECK(bench.said("not sent: G5"));
 }
+
+TEST_CASE("a command that may have run twice is in the record", "[s3g]") {
+  const auto doubts = [](const std::string& line, bool tells_position) {
+    mock::S3gOptions o = real_wire();
+    o.counts_lines = false;
+    o.tells_position = tells_position;
+    mock::Fault fault;
+    fault.kind = mock::FaultKind::kLoseOk;
+    fault.trigger = mock::FaultTrigger::kOk;
+    fault.at = 40;
+    o.faults = {fault};
+    S3gBench bench(o);
+    REQUIRE(bench.connect());
+    REQUIRE(bench.print_through(Lines{"M136", "G92 X0 Y0 Z0", "M83"} + Lines(80, line)));
+    REQUIRE(bench.count<PrintFinished>() == 1);
+    const auto last = std::find_if(bench.events.rbegin(), bench.events.rend(),
+                                   [](const Event& e) { return std::holds_alternative<LinkStats>(e.what); });
+    CHECK(bench.said("may have run twice") == (std::get<LinkStats>(last->what).doubts > 0));
+    return std::get<LinkStats>(last->what).doubts;
+  };
+  CHECK(doubts("G1 E1", true) == 0);
+  CHECK(doubts("G1 E1", false) == 1);
+  CHECK(doubts("G4 P100", true) == 1);
+}

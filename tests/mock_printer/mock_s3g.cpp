@@ -250,6 +250,7 @@ void MockS3g::answer_query(const std::string& payload) {
     case 11:
       return reply(ok + byte(queue_.empty() && drained() && !card_));
     case 21: {
+      if (!options_.tells_position) return reply_code(5);
       std::string out = ok;
       std::array<std::int32_t, 5> at = position_;
       const auto moving = motion_.steps_at(now_);

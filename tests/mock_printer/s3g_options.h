@@ -22,6 +22,7 @@ struct S3gOptions {
   double round_trip_s = 0;  ///< half of it each way
   double boot_s = 0;
   bool counts_lines = true;  ///< the line counter of query 24 works
+  bool tells_position = true;  ///< query 21
   bool advanced_version = true;
   double turnaround_s = 0;  ///< from a packet's last byte to the reply's first
   /// Where the stored home position lies, steps: X and Y at the far end, Z at the plate.
