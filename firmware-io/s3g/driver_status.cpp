@@ -142,7 +142,9 @@ void Driver::on_answer(const Answer& answer, double t) {
   if (answer.code == ReplyCode::cancelled) return on_refused({{}, answer.code});
   if (asked_room_) return on_room(answer, t);
   if (asked_by_job_) {
-    if (job_) job_->on_answer(answer, t);
+    if (!job_) return;
+    job_->on_answer(answer, t);
+    if (job_->paused() && !wants_paused_) want_paused(true);  // the file asks for it
     return;
   }
   if (answer.code == ReplyCode::ok) on_status(answer, t);

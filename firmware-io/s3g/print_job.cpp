@@ -133,6 +133,7 @@ void PrintJob::rested() {
     wait_ = Wait::build;
   } else if (pending_.empty()) {
     advance();
+    if (!pause_line_.empty()) pause(false, std::exchange(pause_line_, {}));
   }
 }
 
@@ -205,9 +206,9 @@ void PrintJob::take_line(const SourceLine& line) {
   for (Action& action : encoded.actions) pending_.push_back(std::move(action));
   switch (encoded.host) {
     case Encoded::Host::pause:
-      emit_(LineDone{line.index, position_});
-      line_.reset();
-      return pause(false, line.text);
+      pause_line_ = line.text;
+      wait_ = Wait::rest;
+      return;
     case Encoded::Host::halt:
       wants_halt_ = true;
       return;

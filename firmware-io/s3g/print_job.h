@@ -80,8 +80,9 @@ class PrintJob {
   static constexpr double kNever_t = 1e300;
 
   bool asks() const noexcept { return state_ != State::over && wait_ != Wait::none && !held(); }
-  /// Begins and ends no print while it is paused: the printer may be at rest because of that.
-  bool held() const noexcept { return paused_ && state_ != State::feeding; }
+  /// Begins and ends no print while it is paused, nor pauses it a second time: the printer may be at rest
+  /// because of that.
+  bool held() const noexcept { return paused_ && (state_ != State::feeding || !pause_line_.empty()); }
   void fetch();
   void take_line(const SourceLine& line);
   void advance();
@@ -104,6 +105,7 @@ class PrintJob {
   std::deque<Action> pending_;
   bool out_ = false;  ///< the front one is on its way
   std::optional<SourceLine> line_;
+  std::string pause_line_;  ///< the file's, once all before it is done
   std::uint64_t position_ = 0;
   bool begun_ = false, started_ = false;
   bool paused_ = false;

@@ -141,6 +141,54 @@ TEST_CASE("what an earlier session left running is waited for", "[s3g]") {
   check_executed(bench, file);
 }
 
+TEST_CASE("M0 stands still where the file has come to, with the printer itself paused", "[s3g]") {
+  for (const bool at_panel : {false, true}) {
+    S3gBench bench(real_wire());
+    REQUIRE(bench.connect());
+    const Lines file = kStart + moves(20) + Lines{"M600"} + moves(20, 2) + kEnd;
+    bench.print(file);
+    bool rested = false;
+    bench.each_step = [&] {
+      if (bench.count<Paused>() == 0) rested = bench.mock.drained() && bench.mock.queued_bytes() == 0;
+    };
+    REQUIRE(bench.run_until([&] { return bench.count<Paused>() == 1; }));
+    CHECK(rested);
+    CHECK_FALSE(std::get<Paused>(bench.first<Paused>()->what).by_printer);
+    REQUIRE(bench.run_until([&] { return bench.mock.paused(); }, 5));
+    bench.run_for(100);
+    CHECK(bench.count<Paused>() == 1);
+    CHECK_FALSE(bench.over());
+    if (at_panel) {
+      bench.mock.press_pause();
+    } else {
+      bench.driver.resume(bench.t);
+    }
+    REQUIRE(bench.run_until([&] { return bench.over(); }));
+    CHECK(bench.count<Resumed>() == 1);
+    CHECK(bench.count<PrintFinished>() == 1);
+    CHECK(bench.count<LineDone>() == static_cast<int>(file.size()));
+    check_executed(bench, file);
+  }
+}
+
+TEST_CASE("a pause by the user just before M0 does not take its place", "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  const Lines file = kStart + moves(20) + Lines{"M0"} + moves(20, 2) + kEnd;
+  bench.print(file);
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() >= 30 && bench.mock.queued_bytes() < 200; }));
+  bench.driver.pause();
+  bench.run_for(60);
+  bench.driver.resume(bench.t);
+  REQUIRE(bench.run_until([&] { return bench.count<Paused>() == 2; }));
+  bench.run_for(10);
+  CHECK(bench.mock.paused());
+  bench.driver.resume(bench.t);
+  REQUIRE(bench.run_until([&] { return bench.over(); }));
+  CHECK(bench.count<Resumed>() == 2);
+  check_executed(bench, file);
+}
+
 TEST_CASE("a pause that waits its turn ends with its print", "[s3g]") {
   S3gBench bench(real_wire());
   REQUIRE(bench.connect());
