@@ -53,7 +53,7 @@ TEST_CASE("the MakerBots are three machines of one family") {
     CHECK(p->print.machine.origin_at_centre);
     REQUIRE(p->limits.jerk_mm_s.has_value());
     CHECK((*p->limits.jerk_mm_s)[0] == 15);
-    CHECK(p->cancel_gcode.size() == 3);
+    CHECK(p->cancel_gcode.size() == 4);
   }
   CHECK(two.extruders == 1);
   CHECK_FALSE(two.heated_bed);

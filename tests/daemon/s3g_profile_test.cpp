@@ -6,6 +6,9 @@
 #include "tests/daemon/temp_dir.h"
 #include "tests/support/meshes.h"
 
+#include <algorithm>
+#include <sstream>
+
 #include <catch2/catch.hpp>
 
 using namespace voidpath;
@@ -39,5 +42,35 @@ TEST_CASE("what is sliced for a MakerBot can be sent to it, every line") {
       CHECK(ends == 1);
       CHECK_FALSE(encoder.build_started());
     }
+  }
+}
+
+TEST_CASE("no motor of a MakerBot moves with the lesser current that a print left while it heated") {
+  for (const std::string printer :
+       {"makerbot-replicator", "makerbot-replicator-2", "makerbot-replicator-2x"}) {
+    INFO(printer);
+    const config::Profile profile = config::load_profile(printer, "pla", "0.28mm");
+    const auto least_moved_with = [&](const std::vector<std::string>& lines) {
+      fw::s3g::Encoder encoder(daemon::s3g_machine(profile));
+      encoder.set_stand({});
+      int current = 20, least = 127;
+      for (const std::string& line : lines) {
+        for (const auto& action : encoder.encode(line).actions) {
+          const auto code = static_cast<fw::s3g::Command>(static_cast<unsigned char>(action.payload[0]));
+          if (code == fw::s3g::Command::pot) current = action.payload[2];
+          const bool homes = action.kind == fw::s3g::Action::Kind::home;
+          if (homes || action.kind == fw::s3g::Action::Kind::move) least = std::min(least, current);
+        }
+      }
+      return least;
+    };
+    std::vector<std::string> start;
+    std::istringstream text(profile.print.machine.start_gcode);
+    for (std::string line; std::getline(text, line);)
+      if (line.find('{') == std::string::npos) start.push_back(line);
+    CHECK(start.size() > 10);
+    CHECK(least_moved_with(start) >= 118);
+    CHECK(profile.cancel_gcode.size() > 3);
+    CHECK(least_moved_with(profile.cancel_gcode) >= 118);
   }
 }
