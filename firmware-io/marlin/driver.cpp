@@ -29,7 +29,7 @@ constexpr double kKeepalives = 3;
 
 Timing at_pace(Timing timing, int keepalive_s) {
   timing.busy_silence_s = std::max(timing.busy_silence_s, kKeepalives * keepalive_s);
-  timing.long_busy_silence_s = std::max(timing.long_busy_silence_s, kKeepalives * keepalive_s);
+  timing.ask_again_s = std::max(timing.ask_again_s, kKeepalives * keepalive_s);
   return timing;
 }
 
@@ -119,6 +119,7 @@ void Driver::pump(double t) {
   while (!controls_.empty() && link_.may_send(controls_.front())) {
     const std::string line = std::move(controls_.front());
     controls_.pop_front();
+    if (sets_keepalive(line)) link_.forget_busy();
     link_.send(line, {.kind = Tag::Kind::control, .is_long = is_long(line)}, t);
   }
   if (job_ && queries_unanswered_ == 0) job_->feed(link_, t);

@@ -179,6 +179,8 @@ void Link::on_reply(const Reply& reply, double t) {
     }
   } else {
     if (std::holds_alternative<Overrun>(reply)) window_.on_overrun();
+    // Temperatures, remarks: whoever says them is at work.
+    if (may_be_at_length()) window_.on_life();
     doubt_ = doubt_ || (std::holds_alternative<Other>(reply) && window_.waiting());
     window_.on_other_line();
   }
@@ -295,7 +297,11 @@ void Link::elapsed(double t) {
     silent_since_t_ = t;
   }
   if (t >= progress_t_ + stall_after_s()) {
-    window_.on_stall(!may_be_at_length() || window_.may_ask(kQuestion));
+    // What stands in the command queue of a firmware at work keeps out what is urgent.
+    const bool at_length = may_be_at_length();
+    window_.on_stall(!at_length || window_.may_ask(kQuestion), !at_length ||
+                                                                   window_.questions() < kMostQuestions ||
+                                                                   t >= asked_t_ + timing_.ask_again_s);
     if (window_.stalls() > 1 && tail_.empty()) stop_packing();
     progress_t_ = t;
   }

@@ -21,7 +21,7 @@ struct Timing {
   double silence_s = 30;      ///< without an ok, from a firmware that says no `busy`
   double busy_silence_s = 6;  ///< the same from one that says it every 2 s
   double long_silence_s = 900;  ///< a levelling run without `busy`
-  double long_busy_silence_s = 15;
+  double ask_again_s = 60;      ///< during one that says something, when two M105 are out
   double probe_s = 1;  ///< after a probe was answered: nothing else was owed
 };
 
@@ -91,9 +91,13 @@ class Link {
   /// The firmware says `busy` by itself.
   void note_busy(double t) {
     busy_seen_ = true;
+    window_.on_life();
     if (window_.asking() || long_outstanding()) silent_since_t_ = t;
     note_progress(t);
   }
+
+  /// It may be silent from now on.
+  void forget_busy() noexcept { busy_seen_ = false; }
 
   std::optional<Tag> take_acknowledged();
   double deadline() const;

@@ -19,6 +19,7 @@ constexpr int kVerifications = 50;
 /// What of a line's meaning decides when it and what follows may go.
 struct Meaning {
   bool pauses = false;
+  bool is_left_out = false;
   bool heats = false;
   bool is_long = false;
   bool holds_back = false;
@@ -27,7 +28,7 @@ struct Meaning {
 Meaning meaning_of(std::string_view text) {
   // Nearly every line is a plain move.
   if (text.starts_with("G1 ") || text.starts_with("G0 ")) return {};
-  return {is_pause(text), is_heating_wait(text), is_long(text),
+  return {is_pause(text), sets_keepalive(text), is_heating_wait(text), is_long(text),
           is_homing(text) || may_wait_for_person(text) || is_macro(text)};
 }
 
@@ -76,6 +77,10 @@ PrintJob::Step PrintJob::feed_line(Link& link, double t) {
     is_pending_ = false;
     pause(false, text);
     return Step::wait;
+  }
+  if (meaning.is_left_out) {
+    is_pending_ = false;
+    return Step::sent;
   }
   const bool may_go = text.starts_with('G') && !meaning.is_long ? link.may_begin(text) : link.may_send(text);
   if (!may_go || (meaning.heats && !link.all_acknowledged())) return Step::wait;

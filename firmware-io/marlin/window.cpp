@@ -139,9 +139,9 @@ bool Window::may_ask(std::string_view question) const {
   return bytes + static_cast<int>(encode(next_, question).size()) <= options_.max_bytes;
 }
 
-bool Window::asking() const {
-  return std::any_of(in_flight_.begin(), in_flight_.end(),
-                     [](const Flight& flight) { return flight.question; });
+int Window::questions() const {
+  return static_cast<int>(std::count_if(in_flight_.begin(), in_flight_.end(),
+                                        [](const Flight& flight) { return flight.question; }));
 }
 
 bool Window::answers_missing() const {

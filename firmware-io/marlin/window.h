@@ -110,7 +110,9 @@ class Window {
   void on_patience();
   /// No ok for so long that one must have been lost: lets one line out to provoke an answer, beyond the
   /// limit if the ring may be overfilled for it.
-  void on_stall(bool may_overfill = true);
+  void on_stall(bool may_overfill = true, bool may_probe = true);
+  /// It is at work, whatever oks are missing: stalls alone no longer tell that nobody is there.
+  void on_life() noexcept;
 
   // --- state ---
 
@@ -126,8 +128,9 @@ class Window {
   /// The line let out by a stall was answered: if it now stays quiet, all before it had been taken.
   bool probe_was_answered() const noexcept { return probing_ && probe_answered_; }
   bool throttled() const noexcept { return limit_ < patient_limit(); }
-  /// A question whose answer cannot be mistaken for another line's is out.
-  bool asking() const;
+  /// So many questions are out, whose answers cannot be mistaken for another line's.
+  int questions() const;
+  bool asking() const { return questions() > 0; }
   /// Only questions are out, and one was answered since the last line was sent.
   bool answers_missing() const;
   /// Lines acknowledged by such an answer instead of by their own oks.

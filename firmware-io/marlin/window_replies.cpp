@@ -27,6 +27,9 @@ constexpr std::uint32_t kDeepestRequest = 64;
 // turn any number into the first; hardly to two in a row.
 constexpr int kSignsOfRestart = 2;
 
+// Work without an ok is probed so often as for a lost one; more stalls than that must be without any word.
+constexpr int kStallsOfWork = 2;
+
 // Marlin's BUFSIZE is 4, on big boards up to 64.
 constexpr int kMostQueuePlaces = 64;
 
@@ -226,7 +229,9 @@ void Window::on_patience() {
   limit_ = std::max(limit_, std::min(patient_limit(), std::max(limit_, bytes_in_flight_) + kTypicalLine));
 }
 
-void Window::on_stall(bool may_overfill) {
+void Window::on_life() noexcept { stalls_ = std::min(stalls_, kStallsOfWork); }
+
+void Window::on_stall(bool may_overfill, bool may_probe) {
   if (draining_) return;
   ++disturbances_;
   if (probing_ && probe_answered_) {
@@ -235,7 +240,7 @@ void Window::on_stall(bool may_overfill) {
     probing_ = false;
     return;
   }
-  grant_ = may_overfill || bytes_in_flight_ + kTypicalLine <= options_.max_bytes;
+  grant_ = may_probe && (may_overfill || bytes_in_flight_ + kTypicalLine <= options_.max_bytes);
   if (++stalls_ > options_.silent_stalls) give_up(Health::silent);
 }
 

@@ -74,6 +74,8 @@ bool is_pause(std::string_view command) noexcept {
   return is_m_of(command, kPauses);
 }
 
+bool sets_keepalive(std::string_view command) noexcept { return first_word(command) == Word{'M', 113}; }
+
 bool sets_line_number(std::string_view command) {
   if (first_word(command) == Word{'M', 110}) return true;
   if (command.find('M') == command.npos) return false;

@@ -78,6 +78,87 @@ TEST_CASE("a printer set to be mute while it works is made to speak, so that its
   CHECK(bench.printer.now() < 120);
 }
 
+TEST_CASE("however seldom a printer says that it is busy, it is not given up at its work", "[keepalive]") {
+  marlin::DriverOptions options;
+  options.keepalive_s = 0;
+  mock::Options firmware = mock::make_mock().build();
+  firmware.busy_interval_s = 10;
+  firmware.leveling_s = 600;
+  const std::string work = GENERATE("G29", "G1 X1000 F300");
+  CAPTURE(work);
+  MockBench bench(firmware, options);
+  REQUIRE(bench.connect());
+  std::vector<std::string> file(20, "G1 X0");  // enough oks behind the homing
+  file.insert(file.begin(), "G28");
+  file.insert(file.end(), {work, "G1 X0", "G1 X1"});
+  bench.print(file);
+  REQUIRE(bench.run_until([&] { return bench.over(); }, 1000));
+  CHECK(bench.count<PrintFinished>() == 1);
+}
+
+TEST_CASE("how often the printer says that it is busy is not for a file to set", "[keepalive]") {
+  mock::Options firmware = mock::make_mock().firmware("marlin1").instant_moves().build();
+  firmware.leveling_s = 600;
+  const std::string line = GENERATE("M113 S0", "M113 S60");
+  MockBench bench(firmware);
+  REQUIRE(bench.connect());
+  bench.print({"G28", "G4 P5000", line, "G29", "G1 X10 F600"});
+  REQUIRE(bench.run_until([&] { return bench.over(); }, 1000));
+  CHECK(bench.count<PrintFinished>() == 1);
+  CHECK(std::count(bench.log.begin(), bench.log.end(), line) == 0);
+}
+
+TEST_CASE("a printer that a person has made mute is not given up at its work", "[keepalive]") {
+  mock::Options firmware = mock::make_mock().firmware("marlin1").instant_moves().build();
+  firmware.leveling_s = 600;
+  MockBench bench(firmware);
+  REQUIRE(bench.connect());
+  bench.driver.command("G4 P5000", bench.t());
+  bench.run_for(10);
+  bench.driver.command("M113 S0", bench.t());
+  bench.driver.command("G29", bench.t());
+  bench.run_for(700);
+  CHECK(bench.count<Disconnected>() == 0);
+}
+
+TEST_CASE("a tuning that tells nothing but temperatures is waited for", "[keepalive]") {
+  const std::string firmware = GENERATE("marlin2", "marlin1", "prusa");
+  const bool printed = GENERATE(false, true);
+  CAPTURE(firmware, printed);
+  MockBench bench(mock::make_mock().firmware(firmware).instant_moves().build());
+  REQUIRE(bench.connect());
+  bench.driver.command("G4 P5000", bench.t());  // it is known to say that it is busy
+  bench.run_for(10);
+  if (printed)
+    bench.print({"M303 E0 C8 S200", "G1 X10 F600"});
+  else
+    bench.driver.command("M303 E0 C8 S200", bench.t());
+  bench.run_for(700);
+  CHECK(bench.count<Disconnected>() == 0);
+  CHECK(bench.over() == printed);
+  CHECK(bench.count<PrintFailed>() == 0);
+}
+
+TEST_CASE(
+    "a levelling run whose ok was lost, and the answer to the question behind it, is soon known to be over",
+    "[keepalive]") {
+  mock::Options firmware = mock::make_mock().instant_moves().build();
+  MockBench bench(firmware);
+  REQUIRE(bench.connect());
+  int lost = 0;
+  bench.to_host = [&](std::string text) {
+    const bool levelled = std::find(bench.log.begin(), bench.log.end(), "G29") != bench.log.end();
+    const auto ok = text.find("ok");
+    if (levelled && ok != text.npos && lost < 2) text[ok] = 'g', ++lost;
+    return text;
+  };
+  bench.print({"G28", "G29", "G1 X10 F600"});
+  REQUIRE(bench.run_until([&] { return bench.over(); }, 120));
+  CHECK(lost == 2);
+  CHECK(bench.count<PrintFinished>() == 1);
+  CHECK(bench.printer.now() < 60);
+}
+
 TEST_CASE("what a firmware does not know is a sign of damage only where it was not sent", "[keepalive]") {
   const bool damaged = GENERATE(false, true);
   CAPTURE(damaged);

@@ -84,9 +84,28 @@ bool MockMarlin::execute_heat(const Command& c) {
         cold_allowed_ = *s == 0;
       }
       return true;
+    case 303:
+      tune();
+      return true;
     default:
       return false;
   }
+}
+
+/// Tells the temperature now and then, and nothing else.
+void MockMarlin::tune() {
+  constexpr double kTold_s = 2;
+  tuning_ = true;
+  for (double s = 0; s < options_.tuning_s; s += kTold_s) {
+    tasks_.push_back({.kind = Task::Kind::kDwell, .seconds = kTold_s});
+    tasks_.push_back({.kind = Task::Kind::kCall, .action = [this] { write_line(" " + temperatures()); }});
+  }
+  tasks_.push_back({.kind = Task::Kind::kCall, .action = [this] {
+                      tuning_ = false;
+                      write_line(
+                          "PID Autotune finished! Put the last Kp, Ki and Kd constants from below "
+                          "into Configuration.h");
+                    }});
 }
 
 void MockMarlin::wait_heat(const Command& c, bool bed) {

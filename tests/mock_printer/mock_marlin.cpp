@@ -38,7 +38,7 @@ void MockMarlin::reset() {
   protocol_.reset();
   queue_.clear();
   tasks_.clear();
-  executing_ = halted_ = homed_ = user_wait_ = heat_wait_ = false;
+  executing_ = halted_ = homed_ = user_wait_ = heat_wait_ = tuning_ = false;
   relative_ = relative_e_ = false;
   feed_ = 25;
   feed_factor_ = flow_ = 1;
@@ -111,9 +111,9 @@ double MockMarlin::next_event() const {
   if (silent_until_ > now_) return std::min(next, silent_until_);
   if (executing_) {
     if (task_until_ >= 0) next = std::min(next, task_until_);
-    if (options_.dialect.busy && busy_interval_ > 0) next = std::min(next, next_busy_);
+    if (options_.dialect.busy && busy_interval_ > 0 && !tuning_) next = std::min(next, next_busy_);
   }
-  if (report_interval_ > 0) next = std::min(next, next_report_);
+  if (report_interval_ > 0 && !tuning_) next = std::min(next, next_report_);
   if (hotend().target() > 0 || bed().target() > 0) next = std::min(next, next_second_);
   if (options_.dialect.wait_when_idle && queue_.empty()) next = std::min(next, next_wait_);
   return next;
@@ -137,11 +137,11 @@ void MockMarlin::fire_due() {
   if (!halted_ && now_ >= boot_until_ && now_ >= silent_until_) {
     tick_second();
     process();
-    if (executing_ && options_.dialect.busy && busy_interval_ > 0 && now_ >= next_busy_) {
+    if (executing_ && options_.dialect.busy && busy_interval_ > 0 && !tuning_ && now_ >= next_busy_) {
       write_line(user_wait_ ? "echo:busy: paused for user" : "echo:busy: processing");
       next_busy_ = now_ + busy_interval_;
     }
-    if (report_interval_ > 0 && now_ >= next_report_) {
+    if (report_interval_ > 0 && !tuning_ && now_ >= next_report_) {
       write_line(" " + temperatures());
       next_report_ += report_interval_;
       if (next_report_ <= now_) next_report_ = now_ + report_interval_;

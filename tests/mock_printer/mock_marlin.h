@@ -139,6 +139,7 @@ class MockMarlin final : public Firmware {
   void home(const Command& command);
   void set_position(const Command& command);
   void wait_heat(const Command& command, bool bed);
+  void tune();
   void pause_for_user(std::string_view action);
   void report_position();
   void report_settings();
@@ -178,6 +179,7 @@ class MockMarlin final : public Firmware {
   bool homed_ = false;
   std::string halt_reason_;  ///< as it was said first
   bool user_wait_ = false, heat_wait_ = false;
+  bool tuning_ = false;  ///< M303: says neither that it is busy nor what M155 asked for
   std::optional<double> unplug_;
   std::string emergency_line_;
 

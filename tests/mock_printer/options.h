@@ -32,6 +32,7 @@ struct Options {
   double reach_mm = 1000;  ///< X, Y and Z are held within this distance of 0, as by soft endstops
   double busy_interval_s = 2;
   double leveling_s = 30;  ///< G29
+  double tuning_s = 600;   ///< M303
   double homing_speed_mm_s = 50;
   HeaterModel hotend{};
   HeaterModel bed{25, 125, 250, 120};
