@@ -223,7 +223,8 @@ bool Driver::offers(const std::string& capability) const {
 }
 
 double Driver::poll_at() const noexcept {
-  if (job_ && job_->heating()) return kNever;  // its answer would come only after the wait
+  // Its answer would come only after the wait, and it keeps what is urgent out of the firmware's queue.
+  if (link_.waits_at_length() || (panel_waits_ && !link_.all_acknowledged())) return kNever;
   if (!reports_by_itself()) return polled_t_ + (hot_ ? kPollHot_s : kPollCold_s);
   // While lines are out the stall timers watch.
   return link_.all_acknowledged() ? std::max(received_t_, polled_t_) + kMute_s : kNever;
@@ -231,7 +232,7 @@ double Driver::poll_at() const noexcept {
 
 void Driver::poll_temperature(double t) {
   polled_t_ = t;
-  if (controls_.empty()) controls_.push_back("M105");
+  if (controls_.empty() && !link_.window().asking()) controls_.push_back("M105");
 }
 
 }  // namespace voidpath::fw::marlin

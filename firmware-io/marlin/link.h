@@ -105,6 +105,8 @@ class Link {
 
   bool all_acknowledged() const noexcept { return window_.idle(); }
   /// Every M105 that was sent has had an answer of its own, as far as answers can be told apart: whatever was
+  /// A long command may be out: what is sent now stands in the firmware's queue until it is over.
+  bool waits_at_length() const noexcept { return may_be_at_length() && window_.waiting(); }
   /// acknowledged, by an ok too many, is another matter.
   bool questions_answered() const noexcept { return questions_open_ == 0; }
   /// After what was heard last, so long a silence means that nothing more is on its way.

@@ -122,6 +122,40 @@ TEST_CASE("going on here also ends the wait at the printer's panel", "[dialect]"
   }
 }
 
+TEST_CASE("what is urgent finds room behind a long command of a firmware that is asked for its temperatures",
+          "[dialect]") {
+  mock::Options options = mock::make_mock().firmware("marlin1").cold_extrusion().instant_moves().build();
+  options.dialect.busy = GENERATE(false, true);
+  options.leveling_s = 600;
+  MockBench bench(options);
+  REQUIRE(bench.connect());
+  SECTION("a person is there") {
+    bench.print({"M104 S60", "G1 X10 F600", "M600", "G1 X1", "G1 X2"});
+    REQUIRE(bench.run_until([&] { return bench.count<Paused>() > 0; }));
+    bench.run_for(100);
+    bench.driver.resume(bench.t());
+    REQUIRE(bench.run_until([&] { return bench.over(); }));
+    CHECK(bench.count<PrintFinished>() == 1);
+  }
+  SECTION("an emergency") {
+    bench.print({"M104 S60", "G28", "G29", "G1 X10 F600"});
+    bench.run_for(100);
+    bench.driver.halt("button", bench.t());
+    bench.run_for(1);
+    CHECK(bench.printer.halted());
+  }
+}
+
+TEST_CASE("temperatures are asked for again when a long command is over", "[dialect]") {
+  MockBench bench(mock::make_mock().firmware("marlin1").build());
+  REQUIRE(bench.connect());
+  bench.driver.command("G29", bench.t());
+  bench.run_for(60);
+  const int told = bench.count<Temperatures>();
+  bench.run_for(60);
+  CHECK(bench.count<Temperatures>() >= told + 10);
+}
+
 TEST_CASE("an emergency stop gets through to a firmware that has no room for it at first", "[dialect]") {
   // No emergency parser, the queue full of slow moves, the ring full to the last byte but a few.
   MockBench bench(mock::make_mock().cold_extrusion().build());
