@@ -1,6 +1,8 @@
 #include "firmware-io/marlin/driver.h"
 #include "firmware-io/marlin/meatpack.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 /// From an open port to a printer that is known: wait for its boot, set the line number, ask who it is.
@@ -8,6 +10,9 @@ namespace voidpath::fw::marlin {
 namespace {
 
 constexpr int kGreetings = 3;
+// A printer that was heard to boot may sit in its boot screen for half a minute. Beyond the third each greeting
+// is waited for twice as long as the one before, so that all of them find room in its receive buffer.
+constexpr int kGreetingsAfterBoot = 6;
 constexpr int kPackingQuestions = 3;
 
 // A firmware busy with a long command says so and gets more time.
@@ -54,7 +59,7 @@ void Driver::forget_dialogue() {
 }
 
 void Driver::greet(double t) {
-  if (++greetings_ > kGreetings) return disconnect("the printer does not answer");
+  if (++greetings_ > (start_seen_ ? kGreetingsAfterBoot : kGreetings)) return disconnect("the printer does not answer");
   // The empty line ends whatever garbage stands in the printer's line buffer.
   link_.restart(0);
   link_.forget_packing();
@@ -66,8 +71,9 @@ void Driver::greet(double t) {
   if (packed_once_ || greetings_ > 1) link_.output() += kPackingOff;
   link_.output() += "\n";
   link_.send_raw("N0 M110 N0*125", false, t);
-  greeted_t_ = t;
-  enter(Phase::greeting, t + options_.handshake.answer_s);
+  link_.forget_round_trip();
+  asked_t_ = t;
+  enter(Phase::greeting, t + std::ldexp(options_.handshake.answer_s, std::max(greetings_ - kGreetings, 0)));
 }
 
 void Driver::dispatch_handshake(const Reply& reply, double t) {
@@ -83,7 +89,7 @@ void Driver::dispatch_handshake(const Reply& reply, double t) {
   } else if (phase_ == Phase::greeting) {
     if (std::holds_alternative<Busy>(reply)) phase_deadline_ = t + kBusyGrace_s;
     if (std::holds_alternative<Ok>(reply) || std::holds_alternative<Wait>(reply)) {
-      link_.learn_round_trip(t - greeted_t_);
+      link_.learn_round_trip(t - asked_t_);
       enter(Phase::settling, t + timing.settle_s);
     }
   } else if (phase_ == Phase::identifying) {
@@ -92,6 +98,7 @@ void Driver::dispatch_handshake(const Reply& reply, double t) {
       phase_deadline_ = t + kBusyGrace_s;
     } else if (const auto* firmware = std::get_if<Firmware>(&reply)) {
       link_.first_line_answered();
+      link_.learn_round_trip(t - asked_t_);  // the greeting may have waited behind the boot
       auto capabilities = std::move(firmware_.capabilities);
       firmware_ = firmware->info;
       firmware_.capabilities = std::move(capabilities);
@@ -115,6 +122,7 @@ void Driver::handshake_elapsed(double t) {
     case Phase::settling:
       link_.restart(0);
       enter(Phase::identifying, t + options_.handshake.identify_s);
+      asked_t_ = t;
       link_.send("M115", {}, t);
       break;
     case Phase::identifying:

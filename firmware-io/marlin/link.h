@@ -44,8 +44,9 @@ class Link {
 
   /// Numbers begin after `last`; all that was outstanding is forgotten.
   void restart(std::uint32_t last);
-  /// The time from a line to its ok while the printer did nothing else.
+  /// The time from a line to its answer while the printer did nothing else; the least of them counts.
   void learn_round_trip(double seconds) noexcept;
+  void forget_round_trip() noexcept;
 
   /// From now on lines go packed: the firmware said it understands.
   void start_packing() noexcept { window_.set_packing(true), packed_once_ = true, quiet_lines_ = 0; }

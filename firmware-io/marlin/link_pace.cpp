@@ -37,13 +37,18 @@ constexpr double kFollow = 0.125;
 constexpr double kFollowEarlier = 0.25;
 constexpr double kFollowLater = 1.0 / 32;
 
-// A longer answer to the greeting tells of a busy printer, not of the wire.
+// A longer answer tells of a busy printer, not of the wire.
 constexpr double kLongestRoundTrip_s = 0.2;
 
 }  // namespace
 
+void Link::forget_round_trip() noexcept {
+  round_trip_s_ = ok_after_s_ = least_ok_s_ = kLongestRoundTrip_s;
+}
+
 void Link::learn_round_trip(double seconds) noexcept {
-  round_trip_s_ = std::min(seconds, kLongestRoundTrip_s);
+  if (seconds >= round_trip_s_) return;
+  round_trip_s_ = seconds;
   ok_after_s_ = least_ok_s_ = std::max(round_trip_s_ - kGreetingBytes * byte_s_, kAtOnce_s);
 }
 

@@ -30,6 +30,49 @@ TEST_CASE("a Marlin is told how often to say that it is busy, others are not", "
   CHECK(keepalives(bench) == wanted);
 }
 
+namespace {
+
+/// Shows its boot screen so long behind its banner, and reads nothing meanwhile.
+mock::Options slow_to_boot(double seconds) {
+  mock::Fault screen;
+  screen.kind = mock::FaultKind::kSilence;
+  screen.trigger = mock::FaultTrigger::kTime;
+  screen.at = 0;
+  screen.seconds = seconds;
+  return mock::make_mock().baud(115200).round_trip(0.002).instant_moves().cold_extrusion().fault(screen).build();
+}
+
+}  // namespace
+
+TEST_CASE("a printer that sits in its boot screen for long is connected to when it is through", "[keepalive]") {
+  MockBench bench(slow_to_boot(GENERATE(1.0, 5.0, 15.0, 30.0)));
+  REQUIRE(bench.connect());
+  CHECK(bench.count<Disconnected>() == 0);
+  CHECK(bench.printer.statistics().bytes_dropped == 0);
+}
+
+TEST_CASE("a boot screen does not make the wire seem slow", "[keepalive]") {
+  const auto seconds = [](bool damaged) {
+    mock::Options options = slow_to_boot(1.3);
+    mock::Fault garble;
+    garble.kind = mock::FaultKind::kGarbleLine;
+    garble.at = 60;
+    if (damaged) options.faults.push_back(garble);
+    MockBench bench(options);
+    REQUIRE(bench.connect());
+    bench.run_for(2);
+    const double begun = bench.t();
+    std::vector<std::string> file;
+    for (int i = 0; i < 200; ++i) file.push_back("G1 X" + std::to_string(i) + " Y3.217 E0.00123");
+    bench.print(file);
+    REQUIRE(bench.run_until([&] { return bench.over(); }));
+    CHECK(bench.count<PrintFinished>() == 1);
+    CHECK((bench.printer.statistics().resends > 0) == damaged);
+    return bench.t() - begun;
+  };
+  CHECK(seconds(true) - seconds(false) < 0.25);
+}
+
 TEST_CASE("a firmware without M113 says so to nobody and prints as before", "[keepalive]") {
   mock::Options options = mock::make_mock().instant_moves().build();
   options.dialect.busy = false;
