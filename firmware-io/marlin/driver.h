@@ -135,7 +135,7 @@ class Driver final : public Dialogue {
   double rest_until_ = 0;
   bool end_probed_ = false;
   bool packed_once_ = false;  ///< the firmware may still unpack
-  double asked_t_ = 0;  ///< the handshake's last question
+  double asked_t_ = 0;        ///< the handshake's last question
   bool connected_ = false;
   std::string last_loss_;
   bool urgent_ = false;

@@ -10,8 +10,9 @@ namespace voidpath::fw::marlin {
 namespace {
 
 constexpr int kGreetings = 3;
-// A printer that was heard to boot may sit in its boot screen for half a minute. Beyond the third each greeting
-// is waited for twice as long as the one before, so that all of them find room in its receive buffer.
+// A printer that was heard to boot may sit in its boot screen for half a minute. Beyond the third each
+// greeting is waited for twice as long as the one before, so that all of them find room in its receive
+// buffer.
 constexpr int kGreetingsAfterBoot = 6;
 constexpr int kPackingQuestions = 3;
 
@@ -59,7 +60,8 @@ void Driver::forget_dialogue() {
 }
 
 void Driver::greet(double t) {
-  if (++greetings_ > (start_seen_ ? kGreetingsAfterBoot : kGreetings)) return disconnect("the printer does not answer");
+  if (++greetings_ > (start_seen_ ? kGreetingsAfterBoot : kGreetings))
+    return disconnect("the printer does not answer");
   // The empty line ends whatever garbage stands in the printer's line buffer.
   link_.restart(0);
   link_.forget_packing();

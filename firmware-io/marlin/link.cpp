@@ -20,6 +20,10 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 // One `wait` may have crossed a line on its way; the second, a second later, cannot have.
 constexpr int kWaitsThatMeanLoss = 2;
 
+// A printer that talks without end leaves no silence to end a wait; whatever stood on the wire has come by
+// then.
+constexpr double kLongestDraining_s = 2;
+
 // Packing begins again after so many lines without a request.
 constexpr std::uint64_t kQuietLines = 2000;
 
@@ -58,7 +62,7 @@ void Link::restart(std::uint32_t last) {
   wire_is_faster_ = wire_is_brake_ = false;
   pace_ = 1;
   awaited_ = rested_for_ = 0;
-  held_ = question_due_ = doubt_ = asked_in_silence_ = false;
+  held_ = question_due_ = doubt_ = asked_in_silence_ = unpacks_perhaps_ = false;
   questions_ = 0;
   waits_ = 0;
 }
@@ -67,6 +71,7 @@ void Link::restart(std::uint32_t last) {
 void Link::stop_packing() {
   if (!packed_once_) return;
   output_ += kPackingOff;
+  unpacks_perhaps_ = true;
   window_.set_packing(false);
   quiet_lines_ = 0;
 }
@@ -179,12 +184,14 @@ void Link::on_reply(const Reply& reply, double t) {
     }
   } else {
     if (std::holds_alternative<Overrun>(reply)) window_.on_overrun();
+    if (const auto* state = std::get_if<PackState>(&reply); state && !state->on) unpacks_perhaps_ = false;
     // Temperatures, remarks: whoever says them is at work.
     if (may_be_at_length()) window_.on_life();
     doubt_ = doubt_ || (std::holds_alternative<Other>(reply) && window_.waiting());
     window_.on_other_line();
   }
   if (window_.draining() && !was_draining) {
+    drain_t_ = t;
     break_line();
     stop_packing();
   }
@@ -260,6 +267,10 @@ double Link::quiet_after_s() const noexcept {
   return timing_.quiet_s + 2 * round_trip_s_ + wire_s;
 }
 
+double Link::drained_at() const noexcept {
+  return std::min(received_t_ + quiet_after_s(), drain_t_ + kLongestDraining_s);
+}
+
 bool Link::long_outstanding() const noexcept {
   return std::any_of(outstanding_.begin(), outstanding_.end(),
                      [](const Outstanding& line) { return line.tag.is_long; });
@@ -273,7 +284,7 @@ double Link::stall_after_s() const noexcept {
 }
 
 double Link::deadline() const {
-  if (window_.draining()) return received_t_ + quiet_after_s();
+  if (window_.draining()) return drained_at();
   if (stranded()) return patience_t_ + timing_.patience_s;
   if (!window_.waiting() || held_) return kNever;
   double next = std::min(progress_t_ + stall_after_s(), ask_at());
@@ -284,7 +295,10 @@ double Link::deadline() const {
 
 void Link::elapsed(double t) {
   if (window_.draining()) {
-    if (t >= received_t_ + quiet_after_s()) window_.on_quiet(), note_progress(t);
+    if (t < drained_at()) return;
+    window_.on_quiet();
+    note_progress(t);
+    if (unpacks_perhaps_) stop_packing();
     return;
   }
   if (stranded() && t >= patience_t_ + timing_.patience_s) question_due_ = true, patience_t_ = t;
@@ -302,7 +316,7 @@ void Link::elapsed(double t) {
     window_.on_stall(!at_length || window_.may_ask(kQuestion), !at_length ||
                                                                    window_.questions() < kMostQuestions ||
                                                                    t >= asked_t_ + timing_.ask_again_s);
-    if (window_.stalls() > 1 && tail_.empty()) stop_packing();
+    if ((window_.stalls() > 1 || unpacks_perhaps_) && tail_.empty()) stop_packing();
     progress_t_ = t;
   }
 }

@@ -22,7 +22,7 @@ struct Timing {
   double busy_silence_s = 6;  ///< the same from one that says it every 2 s
   double long_silence_s = 900;  ///< a levelling run without `busy`
   double ask_again_s = 60;      ///< during one that says something, when two M105 are out
-  double probe_s = 1;  ///< after a probe was answered: nothing else was owed
+  double probe_s = 1;           ///< after a probe was answered: nothing else was owed
 };
 
 /// What a numbered line was for; handed back when it is acknowledged.
@@ -105,9 +105,9 @@ class Link {
   void elapsed(double t);
 
   bool all_acknowledged() const noexcept { return window_.idle(); }
-  /// Every M105 that was sent has had an answer of its own, as far as answers can be told apart: whatever was
   /// A long command may be out: what is sent now stands in the firmware's queue until it is over.
   bool waits_at_length() const noexcept { return may_be_at_length() && window_.waiting(); }
+  /// Every M105 that was sent has had an answer of its own, as far as answers can be told apart: whatever was
   /// acknowledged, by an ok too many, is another matter.
   bool questions_answered() const noexcept { return questions_open_ == 0; }
   /// After what was heard last, so long a silence means that nothing more is on its way.
@@ -138,6 +138,7 @@ class Link {
   void end_line(double t);
   void break_line();
   void stop_packing();
+  double drained_at() const noexcept;
   bool long_outstanding() const noexcept;
   bool may_be_at_length() const noexcept { return long_number_ > 0; }
   void note_length_done(const Ok& ok) noexcept;
@@ -181,6 +182,7 @@ class Link {
   std::uint32_t rested_for_ = 0;
   double awoke_t_ = 0;
   double received_t_ = 0;
+  double drain_t_ = 0;  ///< what stands on the wire is waited for since then
   double progress_t_ = 0;
   double patience_t_ = 0;
   double silent_since_t_ = 0;      ///< neither was anything sent nor did an ok come
@@ -194,6 +196,7 @@ class Link {
   int questions_open_ = 0;  ///< sent and not answered
   bool packed_once_ = false;
   bool colon_ends_line_ = true;
+  bool unpacks_perhaps_ = false;   ///< told not to any more, and has not said so
   std::uint64_t quiet_lines_ = 0;  ///< acknowledged since packing ended
   bool held_ = false;
   bool busy_seen_ = false;

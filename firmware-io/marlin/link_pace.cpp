@@ -42,9 +42,7 @@ constexpr double kLongestRoundTrip_s = 0.2;
 
 }  // namespace
 
-void Link::forget_round_trip() noexcept {
-  round_trip_s_ = ok_after_s_ = least_ok_s_ = kLongestRoundTrip_s;
-}
+void Link::forget_round_trip() noexcept { round_trip_s_ = ok_after_s_ = least_ok_s_ = kLongestRoundTrip_s; }
 
 void Link::learn_round_trip(double seconds) noexcept {
   if (seconds >= round_trip_s_) return;

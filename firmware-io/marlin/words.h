@@ -21,8 +21,8 @@ bool is_heating_wait(std::string_view command) noexcept;
 bool is_homing(std::string_view command) noexcept;
 /// May wait for a person at the panel: M125, M226, M600, M601, M701, M702.
 bool may_wait_for_person(std::string_view command) noexcept;
-/// A word of several letters, as Klipper's macros and extended commands: whatever it heats, homes and moves has
-/// ended when its ok comes.
+/// A word of several letters, as Klipper's macros and extended commands: whatever it heats, homes and moves
+/// has ended when its ok comes.
 bool is_macro(std::string_view command) noexcept;
 /// May take minutes before its ok.
 bool is_long(std::string_view command) noexcept;

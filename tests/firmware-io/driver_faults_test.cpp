@@ -179,6 +179,26 @@ TEST_CASE("one flipped byte in a line costs less than half a second", "[driver]"
   CHECK(bench.t - begun < 201 * 0.01 + 0.5);
 }
 
+TEST_CASE("a printer that never stops talking gets what it asks for again", "[driver]") {
+  DriverBench bench;
+  REQUIRE(bench.connect());
+  bench.print(moves(200));
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() >= 20; }));
+  const int last = std::stoi(bench.raw.back().substr(1));
+  bench.driver.output().clear();
+  bench.driver.received("Error:checksum mismatch, Last Line: " + std::to_string(last - 1) +
+                            "\nResend: " + std::to_string(last) + "\nok\n",
+                        bench.t);
+  const double asked = bench.t;
+  while (bench.driver.output().empty() && bench.t < asked + 60) {
+    bench.t += 0.05;
+    if (bench.t >= bench.driver.deadline()) bench.driver.elapsed(bench.t);
+    bench.driver.received("echo:still here\n", bench.t);
+  }
+  CHECK(bench.t - asked < 3);
+  CHECK(bench.driver.output().starts_with("N" + std::to_string(last) + "G1"));
+}
+
 TEST_CASE("a printer that falls silent is noticed and the print failed", "[driver]") {
   DriverBench bench;
   REQUIRE(bench.connect());

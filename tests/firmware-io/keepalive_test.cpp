@@ -39,12 +39,19 @@ mock::Options slow_to_boot(double seconds) {
   screen.trigger = mock::FaultTrigger::kTime;
   screen.at = 0;
   screen.seconds = seconds;
-  return mock::make_mock().baud(115200).round_trip(0.002).instant_moves().cold_extrusion().fault(screen).build();
+  return mock::make_mock()
+      .baud(115200)
+      .round_trip(0.002)
+      .instant_moves()
+      .cold_extrusion()
+      .fault(screen)
+      .build();
 }
 
 }  // namespace
 
-TEST_CASE("a printer that sits in its boot screen for long is connected to when it is through", "[keepalive]") {
+TEST_CASE("a printer that sits in its boot screen for long is connected to when it is through",
+          "[keepalive]") {
   MockBench bench(slow_to_boot(GENERATE(1.0, 5.0, 15.0, 30.0)));
   REQUIRE(bench.connect());
   CHECK(bench.count<Disconnected>() == 0);

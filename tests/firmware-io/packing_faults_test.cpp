@@ -31,6 +31,30 @@ TEST_CASE("a firmware that goes on unpacking though it was told to stop is told 
   CHECK(std::count(bench.log.begin(), bench.log.end(), "G1X30") == 1);
 }
 
+TEST_CASE("a word to unpack no more that is lost on its way is missed at once", "[meatpack]") {
+  mock::Fault garble;
+  garble.kind = mock::FaultKind::kGarbleLine;
+  garble.at = 60;
+  MockBench bench(
+      mock::make_mock().baud(115200).meatpack().instant_moves().cold_extrusion().fault(garble).build());
+  REQUIRE(bench.connect());
+  bench.run_for(2);
+  bool lost = false;
+  bench.to_printer = [&](std::string bytes) {
+    if (!lost && bytes.find("\xFF\xFF\xF9\n") != bytes.npos) {
+      replace(bytes, "\xFF\xFF\xF9\n", "\xFF\xF9\n");
+      lost = true;
+    }
+    return bytes;
+  };
+  const double begun = bench.t();
+  bench.print(std::vector<std::string>(200, "G1 X10 F600"));
+  REQUIRE(bench.run_until([&] { return bench.over(); }, 100));
+  CHECK(lost);
+  CHECK(bench.count<PrintFinished>() == 1);
+  CHECK(bench.t() - begun < 2);
+}
+
 TEST_CASE("an emergency stop right after a reconnection is heard by a firmware that still unpacks",
           "[meatpack]") {
   MockBench bench(mock::make_mock().meatpack().instant_moves().cold_extrusion().build());

@@ -266,8 +266,8 @@ bool MockMarlin::execute_macro(const Command& c) {
   constexpr double kProbe_s = 5;
   for (double s = 0; s < options_.leveling_s; s += kProbe_s) {
     tasks_.push_back({.kind = Task::Kind::kDwell, .seconds = kProbe_s});
-    tasks_.push_back(
-        {.kind = Task::Kind::kCall, .action = [this] { write_line("// probe at 110.000,110.000 is z=0.05"); }});
+    tasks_.push_back({.kind = Task::Kind::kCall,
+                      .action = [this] { write_line("// probe at 110.000,110.000 is z=0.05"); }});
   }
   return true;
 }
