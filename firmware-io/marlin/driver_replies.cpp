@@ -41,8 +41,10 @@ void Driver::dispatch_ready(const Reply& reply, double t) {
     if (report->waiting || (job_ && job_->heating() && !reports_by_itself())) link_.note_progress(t);
     note_sensors(report->sensors);
     // Repetier's M105 says ok first and the temperatures on a line of their own.
-    if (job_ && !report->waiting && !reports_by_itself()) {
-      job_->on_ok(link_, true, t);
+    if (!report->waiting && !reports_by_itself()) {
+      link_.on_answer_apart(t);
+      collect(t);
+      if (job_) job_->on_ok(link_, true, t);
       drop_finished_job();
     }
   } else if (const auto* error = std::get_if<Error>(&reply)) {

@@ -17,12 +17,11 @@ constexpr double kClocksAgree_s = 0.0005;
 constexpr double kFastest = 0.95;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
+// All that a request can have on its way behind it is there after so many times the quiet that ends it.
+constexpr double kLongestDrain = 4;
+
 // One `wait` may have crossed a line on its way; the second, a second later, cannot have.
 constexpr int kWaitsThatMeanLoss = 2;
-
-// A printer that talks without end leaves no silence to end a wait; whatever stood on the wire has come by
-// then.
-constexpr double kLongestDraining_s = 2;
 
 // Packing begins again after so many lines without a request.
 constexpr std::uint64_t kQuietLines = 2000;
@@ -197,6 +196,13 @@ void Link::on_reply(const Reply& reply, double t) {
   }
 }
 
+void Link::on_answer_apart(double t) {
+  if (!window_.asking() || window_.draining() || long_outstanding()) return;
+  const std::uint64_t lost = window_.lost_oks();
+  window_.on_ok({}, {}, true);
+  note_ok(true, window_.lost_oks() - lost, t);
+}
+
 void Link::note_ok(bool temperatures, std::uint64_t lost, double t) {
   note_progress(t);
   patience_t_ = silent_since_t_ = t;
@@ -267,8 +273,9 @@ double Link::quiet_after_s() const noexcept {
   return timing_.quiet_s + 2 * round_trip_s_ + wire_s;
 }
 
+// Who is still not quiet then talks of something else, or asks again by himself as Repetier does.
 double Link::drained_at() const noexcept {
-  return std::min(received_t_ + quiet_after_s(), drain_t_ + kLongestDraining_s);
+  return std::min(received_t_ + quiet_after_s(), drain_t_ + kLongestDrain * quiet_after_s());
 }
 
 bool Link::long_outstanding() const noexcept {

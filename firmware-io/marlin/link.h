@@ -85,6 +85,9 @@ class Link {
   void pump(double t);
 
   void on_reply(const Reply& reply, double t);
+  /// Temperatures, from a firmware that says them unasked only while it waits: it has read a question and all
+  /// before it, whatever became of their oks.
+  void on_answer_apart(double t);
   /// The firmware lives and works: the stall timers start again.
   void note_progress(double t) { progress_t_ = t, held_ = false; }
   /// Waits for a person: no timers until it goes on.

@@ -162,6 +162,7 @@ std::optional<Reply> parse_busy(std::string_view line) {
 std::optional<Reply> parse_action(std::string_view line) {
   if (!line.starts_with("//")) return {};
   const std::string_view body = trim(line.substr(2));
+  if (body == "Klipper state: Disconnect") return Start{};  // it restarts, and all it had read is gone
   if (!body.starts_with("action:")) return Echo{std::string(body)};  // Klipper's remarks
   const std::string_view action = body.substr(7);
   const auto blank = std::min(action.find(' '), action.size());

@@ -69,6 +69,48 @@ TEST_CASE("a text with a colon stops no print, and is shown as it is where that 
   CHECK((*shown == "M117 ETL: 00:19") == (firmware != "marlin10" && firmware != "repetier"));
 }
 
+TEST_CASE("a line is sent again though the firmware asks for it again and again meanwhile", "[dialect]") {
+  mock::Options options = mock::make_mock().firmware("repetier").cold_extrusion().instant_moves().build();
+  mock::Fault damage;
+  damage.kind = mock::FaultKind::kGarbleLine;
+  damage.trigger = mock::FaultTrigger::kLine;
+  damage.at = 40;
+  options.faults = {damage};
+  voidpath::fw::marlin::DriverOptions driver;
+  driver.timing.quiet_s = 0.25;  // longer than the firmware's patience
+  MockBench bench(options, driver);
+  REQUIRE(bench.connect());
+  std::vector<std::string> file;
+  for (int i = 0; i < 100; ++i) file.push_back("G1 X" + std::to_string(i));
+  bench.print(file);
+  REQUIRE(bench.run_until([&] { return bench.over(); }, 60));
+  CHECK(bench.printer.statistics().resends > 1);
+  CHECK(bench.count<PrintFinished>() == 1);
+}
+
+TEST_CASE("oks lost by a firmware that says temperatures apart from them cost no half second", "[dialect]") {
+  MockBench bench(mock::make_mock()
+                      .firmware("repetier")
+                      .baud(115200)
+                      .round_trip(0.001)
+                      .cold_extrusion()
+                      .instant_moves()
+                      .build());
+  REQUIRE(bench.connect());
+  std::vector<std::string> file;
+  for (int i = 0; i < 100; ++i) file.push_back("G1 X" + std::to_string(i));
+  bench.print(file);
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() >= 10; }));
+  bool asked = false;
+  bench.on_output = [&](const std::string& sent) { asked |= sent.find("M105") != sent.npos; };
+  bench.to_host = [&](std::string said) { return asked ? said : ""; };
+  const double t = bench.t();
+  const int done = bench.count<LineDone>();
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() > done + 12; }));
+  CHECK(bench.t() - t < 0.5);
+  REQUIRE(bench.run_until([&] { return bench.over(); }));
+}
+
 TEST_CASE("a print that the printer starves of filament is paused", "[dialect]") {
   MockBench bench(mock::make_mock().instant_moves().build());
   REQUIRE(bench.connect());

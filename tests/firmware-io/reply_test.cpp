@@ -101,6 +101,7 @@ TEST_CASE("busy, start, wait, actions, echoes", "[reply]") {
   CHECK(action.argument == "filament_runout 0");
   CHECK(as<Action>("// action:cancel").name == "cancel");
   CHECK(as<Echo>("// Klipper state: Ready").text == "Klipper state: Ready");
+  CHECK(std::holds_alternative<Start>(parse_reply("// Klipper state: Disconnect")));
   CHECK(as<Echo>("echo:Unknown command: \"X\"").text == "Unknown command: \"X\"");
   CHECK(as<Other>("X:0.00 Y:0.00 Z:0.00 E:0.00 Count X:0 Y:0 Z:0").text.starts_with("X:0"));
   CHECK(as<Other>("enqueueing \"M117 hi\"").text == "enqueueing \"M117 hi\"");

@@ -16,6 +16,8 @@ using mock::FaultKind;
 using mock::FaultTrigger;
 
 constexpr double kLongest_s = 3 * 3600;
+// Meanwhile it obeys nothing.
+constexpr double kKlipperStarts_s = 1;
 // Where a print waits for a person, one comes after so long and lets it go on.
 constexpr double kPersonComes_s = 60;
 
@@ -63,12 +65,14 @@ Fault once(FaultKind kind, FaultTrigger trigger, double at) {
   return fault;
 }
 
-Fault any_fault(Dice& dice, std::size_t lines, std::string& what) {
+// `wired`: bytes and oks may suffer as well.
+Fault any_fault(Dice& dice, std::size_t lines, bool wired, std::string& what) {
   static constexpr FaultKind kBytes[] = {FaultKind::kFlipByte, FaultKind::kDropByte, FaultKind::kDoubleByte,
                                          FaultKind::kInsertByte};
   const double line = 10 + static_cast<double>(dice.below(lines));
   Fault fault;
-  switch (dice.below(14)) {
+  constexpr std::size_t kOfWires = 9, kAll = 14;
+  switch (wired ? dice.below(kAll) : kOfWires + dice.below(kAll - kOfWires)) {
     case 0:
     case 1:
     case 2:
@@ -190,6 +194,7 @@ SoakPrint play(const mock::Options& options, std::vector<std::string> file, cons
   witness.lines.clear(), witness.taken.clear();
   const int before = witness.invisible;
   printing = true;
+  last_s = 0;
   bench.print(file);
   print.ended = see_through(bench, print);
   printing = false;
@@ -217,15 +222,18 @@ SoakPrint play(const mock::Options& options, std::vector<std::string> file, cons
 
 SoakPrint soak_print(std::uint64_t seed, const SoakTrace& trace) {
   Dice dice(seed);
-  static constexpr const char* kFirmwares[] = {"marlin2", "marlin2", "marlin2",
-                                               "marlin1", "prusa",   "smoothie"};
-  const std::string firmware = kFirmwares[dice.below(6)];
+  static constexpr const char* kFirmwares[] = {"marlin2", "marlin2",  "marlin2",  "marlin1",
+                                               "prusa",   "smoothie", "repetier", "klipper"};
+  const std::string firmware = kFirmwares[dice.below(8)];
   static constexpr std::size_t kRings[] = {128, 128, 64, 1024};
+  static constexpr std::size_t kTerminal = 4096;  // Klipper's, whose writer waits while it is full
+  const std::size_t ring = kRings[dice.below(4)];
+  const bool wired = firmware != "klipper";
   mock::Options options = mock::make_mock()
                               .firmware(firmware)
                               .baud(dice.one_in(2) ? 115200 : 250000)
                               .round_trip(dice.one_in(4) ? 0.016 : 0.001)
-                              .rx_buffer(kRings[dice.below(4)])
+                              .rx_buffer(wired ? ring : kTerminal)
                               .advanced_ok(firmware == "marlin2" && dice.one_in(2))
                               .emergency_parser(dice.one_in(2))
                               .meatpack(firmware == "marlin2" && dice.one_in(3))
@@ -233,6 +241,7 @@ SoakPrint soak_print(std::uint64_t seed, const SoakTrace& trace) {
                               .cold_extrusion()
                               .seed(seed)
                               .build();
+  if (!wired) options.boot_s = kKlipperStarts_s;
   std::string what = std::to_string(seed) + " " + firmware + (options.meatpack ? "+meatpack" : "") + ":";
   const std::size_t lines = 60 + dice.below(240);
   const bool level = dice.one_in(8);
@@ -241,7 +250,8 @@ SoakPrint soak_print(std::uint64_t seed, const SoakTrace& trace) {
     options.dialect.busy = false;
     what += " ten-silent-minutes";
   }
-  for (std::size_t n = 1 + dice.below(3); n > 0; --n) options.faults.push_back(any_fault(dice, lines, what));
+  for (std::size_t n = 1 + dice.below(3); n > 0; --n)
+    options.faults.push_back(any_fault(dice, lines, wired, what));
   const bool slow_reader = dice.one_in(6);
   if (slow_reader) what += " slow-reader";
   SoakPrint print =
@@ -251,12 +261,28 @@ SoakPrint soak_print(std::uint64_t seed, const SoakTrace& trace) {
 }
 
 SoakPrint noisy_print(std::uint64_t seed, const SoakTrace& trace) {
+  static constexpr double kRate = 1e-4;
+  static constexpr FaultKind kKinds[] = {FaultKind::kFlipByte, FaultKind::kFlipByte, FaultKind::kDropByte,
+                                         FaultKind::kDoubleByte, FaultKind::kInsertByte};
+  static constexpr const char* kFirmwares[] = {"marlin2", "marlin2",  "marlin1",
+                                               "prusa",   "repetier", "smoothie"};
   Dice dice(seed);
-  mock::Options options =
-      mock::make_mock().baud(115200).round_trip(0.001).instant_moves().cold_extrusion().seed(seed).build();
-  options.faults = {by_chance(FaultKind::kFlipByte, 1e-4), by_chance(FaultKind::kFlipByte, 1e-4, true)};
+  const std::string firmware = kFirmwares[dice.below(6)];
+  const bool fast = dice.one_in(2), far = dice.one_in(4), packed = firmware == "marlin2" && dice.one_in(3);
+  mock::Options options = mock::make_mock()
+                              .firmware(firmware)
+                              .baud(fast ? 250000 : 115200)
+                              .round_trip(far ? 0.016 : 0.001)
+                              .advanced_ok(firmware == "marlin2" && dice.one_in(2))
+                              .meatpack(packed)
+                              .instant_moves()
+                              .cold_extrusion()
+                              .seed(seed)
+                              .build();
+  options.faults = {by_chance(kKinds[dice.below(5)], kRate), by_chance(kKinds[dice.below(5)], kRate, true)};
   SoakPrint print = play(options, make_file(dice, 1000, false), {.trace = trace});
-  print.what = std::to_string(seed) + " one in 10 kB";
+  print.what = std::to_string(seed) + " " + firmware + (packed ? "+meatpack" : "") + (fast ? " 250000" : "") +
+               (far ? " 16 ms" : "") + " one in 10 kB";
   return print;
 }
 

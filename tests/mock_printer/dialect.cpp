@@ -76,6 +76,9 @@ Dialect repetier() {
   d.power_off.clear();
   d.resend_prefix = "Resend:";
   d.names_expected = true;
+  d.sum_first = true;
+  d.skips = 15;
+  d.asks_again_s = 0.2;
   d.wrong_number = "expected line ";
   d.wrong_checksum = "Wrong checksum ";
   d.no_checksum = "Missing checksum ";
@@ -113,6 +116,7 @@ Dialect klipper() {
   Dialect d;
   d.name = "klipper";
   d.start.clear();
+  d.restarted = "// Klipper state: Disconnect\n// Klipper state: Ready\n";
   d.identity = "FIRMWARE_NAME:Klipper FIRMWARE_VERSION:v0.12.0-mock";
   d.halted =
       "// Once the underlying issue is corrected, use the\n// \"FIRMWARE_RESTART\" command to reset the "
@@ -122,11 +126,43 @@ Dialect klipper() {
   d.checks_lines = d.busy = d.autoreport = d.repeats_silent = false;
   d.blank_ok = d.identity_in_ok = d.refuses = d.lives_on = d.halts_early = d.bare_temperatures = true;
   d.queue = 20;
-  d.commands = {"G0",   "G1",   "G4",   "G28",  "G90",  "G91",  "G92",  "M18",  "M82",
-                "M83",  "M84",  "M104", "M105", "M106", "M107", "M109", "M110", "M112",
-                "M114", "M115", "M117", "M118", "M119", "M140", "M190", "M204", "M220",
-                "M221", "M400", "M73",  "G2",   "G3",   "G21",  "T0",   "START_PRINT",
-                "BED_MESH_CALIBRATE",   "QUAD_GANTRY_LEVEL"};
+  d.commands = {"G0",
+                "G1",
+                "G4",
+                "G28",
+                "G90",
+                "G91",
+                "G92",
+                "M18",
+                "M82",
+                "M83",
+                "M84",
+                "M104",
+                "M105",
+                "M106",
+                "M107",
+                "M109",
+                "M110",
+                "M112",
+                "M114",
+                "M115",
+                "M117",
+                "M118",
+                "M119",
+                "M140",
+                "M190",
+                "M204",
+                "M220",
+                "M221",
+                "M400",
+                "M73",
+                "G2",
+                "G3",
+                "G21",
+                "T0",
+                "START_PRINT",
+                "BED_MESH_CALIBRATE",
+                "QUAD_GANTRY_LEVEL"};
   d.unknown = "// Unknown command:";
   d.quotes_word_only = true;
   return d;

@@ -11,8 +11,9 @@ namespace voidpath::test::mock {
 struct Dialect {
   std::string name;
   std::string start = "start\n";
-  std::string banner;    ///< behind that, each line ended by \n
-  std::string identity;  ///< answer to M115 without its ok
+  std::string banner;     ///< behind that, each line ended by \n
+  std::string restarted;  ///< said where a restart is no boot
+  std::string identity;   ///< answer to M115 without its ok
   std::string stopped = "echo:M112 Shutdown\n";
   std::string halted = "Error:Printer halted. kill() called!\n";
   std::string power_off = "//action:poweroff\n";  ///< after the halt line
@@ -31,11 +32,15 @@ struct Dialect {
   bool number_16_bit = false;    ///< line numbers compare in their low 16 bits
   bool wait_when_idle = false;   ///< `wait` each second while nothing is queued
   bool names_expected = false;   ///< errors of numbering say "expected X got Y"
-  bool checks_lines = true;      ///< else numbers and checksums are cut off and nothing is refused by them
-  bool identity_in_ok = false;   ///< the identity stands behind the ok of M115
-  bool refuses = false;      ///< moves before homing and cold extrusions are left undone, and `!!` says so
-  bool lives_on = false;     ///< after a halt each line is still answered, and FIRMWARE_RESTART ends it
-  bool halts_early = false;  ///< M112 is seen ahead of what is queued, while the queue has room
+  bool sum_first = false;        ///< the checksum is looked at before the number
+  int skips = 0;  ///< so many lines out of order behind a request get `skip` and an ok, not a request each
+  double asks_again_s =
+      0;  ///< a line begun, or asked for, is asked for after so long a silence; 0: it is not
+  bool checks_lines = true;     ///< else numbers and checksums are cut off and nothing is refused by them
+  bool identity_in_ok = false;  ///< the identity stands behind the ok of M115
+  bool refuses = false;         ///< moves before homing and cold extrusions are left undone, and `!!` says so
+  bool lives_on = false;        ///< after a halt each line is still answered, and FIRMWARE_RESTART ends it
+  bool halts_early = false;     ///< M112 is seen ahead of what is queued, while the queue has room
   bool bare_temperatures = false;     ///< B first, one decimal, no power, no W while it waits
   std::size_t queue = 0;              ///< commands read ahead; 0: as the options say
   std::vector<std::string> commands;  ///< all it knows; empty: all the mock does

@@ -216,6 +216,17 @@ TEST_CASE("dialects answer in their own words") {
   }
 }
 
+TEST_CASE("Repetier asks again five times a second for a line it lacks or has but half of") {
+  Rig rig(make_mock().firmware("repetier").build());
+  say(rig.printer, numbered(2, "G90"));
+  CHECK(say(rig.printer, numbered(3, "G90")) == "skip 3\nok\n");
+  CHECK(count_of(say(rig.printer, "", 0.9), "Resend:1\nok\n") == 4);
+  CHECK(say(rig.printer, numbered(1, "G90")) == "ok\n");
+  CHECK(count_of(say(rig.printer, "", 0.9), "Resend") == 0);
+  say(rig.printer, "N2 G9");
+  CHECK(count_of(say(rig.printer, "", 0.3), "Resend:2\nok\n") == 1);
+}
+
 TEST_CASE("bytes take their time on the wire, answers too") {
   Rig rig(make_mock().baud(115200).round_trip(0.001).cold_extrusion().build());
   // 5 bytes there and 3 bytes back at 10 bits each, and half a millisecond each way.

@@ -42,6 +42,7 @@ std::uint8_t checksum_of(std::string_view text) {
 void LineProtocol::reset() {
   drop_partial();
   last_number_ = 0;
+  skips_left_ = 0;
 }
 
 void LineProtocol::drop_partial() {
@@ -96,7 +97,10 @@ LineResult LineProtocol::finish() {
   if (!dialect_.checks_lines) {
     std::string text(command_text(std::string_view(line_).substr(0, line_.find(';'))));
     if (text.empty()) return IgnoredLine{true};
-    return AcceptedLine{std::move(text), std::nullopt};
+    const bool numbered = line_.starts_with('N');
+    return AcceptedLine{
+        std::move(text),
+        numbered ? std::optional(leading_integer(std::string_view(line_).substr(1))) : std::nullopt};
   }
   if (line_.empty()) return IgnoredLine{true};
   // The firmware reads it as a C string.
@@ -116,26 +120,36 @@ LineResult LineProtocol::check_numbered(std::string_view line) {
   if (renumbers && line.size() > kSkip)
     if (const auto second = line.find('N', kSkip); second != line.npos) number_at = second;
   const std::int64_t number = leading_integer(line.substr(number_at + 1));
-  if (!renumbers) {
-    const auto differs = [&](std::int64_t a, std::int64_t b) {
-      return dialect_.number_16_bit ? ((a ^ b) & 0xffff) != 0 : a != b;
-    };
-    if (differs(number, last_number_ + 1)) {
-      if (dialect_.repeats_silent && (number == last_number_ || number == last_number_ - 1))
-        return IgnoredLine{false};
-      if (dialect_.names_expected)
-        return RefusedLine{
-            dialect_.wrong_number + std::to_string(last_number_ + 1) + " got " + std::to_string(number),
-            last_number_ + 1};
-      return refuse(dialect_.wrong_number);
-    }
-  }
+  if (!renumbers && !dialect_.sum_first)
+    if (const auto result = check_number(number)) return *result;
   const auto star = dialect_.first_star ? line.find('*') : line.rfind('*');
   if (star == line.npos) return refuse(dialect_.no_checksum);
   if (leading_integer(line.substr(star + 1)) != checksum_of(line.substr(0, star)))
     return refuse(dialect_.wrong_checksum);
+  if (!renumbers && dialect_.sum_first)
+    if (const auto result = check_number(number)) return *result;
   last_number_ = number;
+  skips_left_ = 0;
   return AcceptedLine{std::string(command_text(line.substr(0, star))), number};
+}
+
+// What a number out of order brings about.
+std::optional<LineResult> LineProtocol::check_number(std::int64_t number) {
+  const auto differs = [&](std::int64_t a, std::int64_t b) {
+    return dialect_.number_16_bit ? ((a ^ b) & 0xffff) != 0 : a != b;
+  };
+  if (!differs(number, last_number_ + 1)) return {};
+  if (skips_left_ > 0) {
+    --skips_left_;
+    return SkippedLine{number};
+  }
+  if (dialect_.repeats_silent && (number == last_number_ || number == last_number_ - 1))
+    return IgnoredLine{false};
+  if (dialect_.names_expected)
+    return RefusedLine{
+        dialect_.wrong_number + std::to_string(last_number_ + 1) + " got " + std::to_string(number),
+        last_number_ + 1};
+  return refuse(dialect_.wrong_number);
 }
 
 RefusedLine LineProtocol::refuse(const std::string& why) const {

@@ -24,7 +24,11 @@ struct RefusedLine {
 struct IgnoredLine {
   bool blank;  ///< empty or comment only; else a repeat of a line already taken
 };
-using LineResult = std::variant<AcceptedLine, RefusedLine, IgnoredLine>;
+/// One of those that were under way when a line was asked for.
+struct SkippedLine {
+  std::int64_t number;
+};
+using LineResult = std::variant<AcceptedLine, RefusedLine, IgnoredLine, SkippedLine>;
 
 /// Characters of a line the firmware keeps, the terminator included.
 inline constexpr std::size_t kMaxCommandSize = 96;
@@ -42,6 +46,9 @@ class LineProtocol {
   /// The half-read line; writable, so that faults can damage it.
   std::string& partial() { return line_; }
   std::int64_t last_number() const { return last_number_; }
+  /// A request went out: what follows may have been under way.
+  void note_request() { skips_left_ = dialect_.skips; }
+  bool awaits_resend() const { return skips_left_ > 0; }
   /// M110 executed from the queue.
   void set_last_number(std::int64_t number) { last_number_ = number; }
   void reset();
@@ -50,6 +57,7 @@ class LineProtocol {
   enum class State { kNormal, kEscape, kParenthesis, kRestIgnored };
   LineResult finish();
   LineResult check_numbered(std::string_view line);
+  std::optional<LineResult> check_number(std::int64_t number);
   RefusedLine refuse(const std::string& why) const;
   void append(char byte);
 
@@ -58,6 +66,7 @@ class LineProtocol {
   State state_ = State::kNormal;
   std::string line_;
   std::int64_t last_number_ = 0;
+  int skips_left_ = 0;
 };
 
 /// A line without its leading number and without its checksum.

@@ -139,3 +139,17 @@ TEST_CASE("Repetier ends a line at a colon and counts in 16 bits") {
   CHECK(refused.error == "expected line 1 got 5");
   CHECK(accepted(p, "G4 P0:") == "G4 P0");
 }
+
+TEST_CASE("Repetier skips what was under way when it asked, until what it wants has come") {
+  LineProtocol p(*find_dialect("repetier"));
+  accepted(p, numbered(1, "G28"));
+  CHECK(std::holds_alternative<RefusedLine>(last_result(p, numbered(3, "G28"))));
+  p.note_request();
+  for (int i = 0; i < 3; ++i) CHECK(std::get<SkippedLine>(last_result(p, numbered(4, "G28"))).number == 4);
+  CHECK(std::holds_alternative<RefusedLine>(last_result(p, "N5 G28*1\n")));
+  accepted(p, numbered(2, "G28"));
+  CHECK(std::holds_alternative<RefusedLine>(last_result(p, numbered(4, "G28"))));
+  p.note_request();
+  for (int i = 0; i < 15; ++i) last_result(p, numbered(4, "G28"));
+  CHECK(std::holds_alternative<RefusedLine>(last_result(p, numbered(4, "G28"))));
+}

@@ -22,13 +22,17 @@ MockMarlin::MockMarlin(const Options& options)
       hotend_("E0", options.hotend, kHotendGuard),
       bed_("bed", options.bed, kBedGuard) {
   if (options_.dialect.queue > 0) options_.queue = options_.dialect.queue;
-  reset();
-  totals_.resets = 0;
+  boot();
   fire_due();
 }
 
 void MockMarlin::reset() {
   ++totals_.resets;
+  boot();
+  write(options_.dialect.restarted);
+}
+
+void MockMarlin::boot() {
   motion_.quick_stop(now_);
   motion_.settings() = options_.motion;
   hotend_.set_target(now_, 0);
@@ -80,6 +84,7 @@ void MockMarlin::receive(char byte) {
       ++totals_.bytes_dropped;
       continue;
     }
+    last_byte_t_ = now_;
     const bool dead = halted_;
     if (options_.emergency_parser || options_.dialect.lives_on) emergency_at(c);
     if (dead || halted_) continue;
@@ -116,7 +121,14 @@ double MockMarlin::next_event() const {
   if (report_interval_ > 0 && !tuning_) next = std::min(next, next_report_);
   if (hotend().target() > 0 || bed().target() > 0) next = std::min(next, next_second_);
   if (options_.dialect.wait_when_idle && queue_.empty()) next = std::min(next, next_wait_);
+  if (misses_line()) next = std::min(next, last_byte_t_ + options_.dialect.asks_again_s);
   return next;
+}
+
+// Half a line has come, or one that was asked for has not.
+bool MockMarlin::misses_line() const {
+  return options_.dialect.asks_again_s > 0 && ring_.empty() && queue_.size() < options_.queue &&
+         (protocol_.has_partial() || protocol_.awaits_resend());
 }
 
 void MockMarlin::advance_to(double time) {
@@ -145,6 +157,10 @@ void MockMarlin::fire_due() {
       write_line(" " + temperatures());
       next_report_ += report_interval_;
       if (next_report_ <= now_) next_report_ = now_ + report_interval_;
+    }
+    if (misses_line() && now_ >= last_byte_t_ + options_.dialect.asks_again_s) {
+      last_byte_t_ = now_;
+      ask_for(protocol_.last_number() + 1);
     }
     if (options_.dialect.wait_when_idle && queue_.empty() && now_ >= next_wait_) {
       write_line("wait");
@@ -245,6 +261,9 @@ void MockMarlin::handle_result(const LineResult& result) {
     refuse(*refused);
   } else if (const auto* ignored = std::get_if<IgnoredLine>(&result)) {
     if (ignored->blank && options_.dialect.blank_ok) send_ok("");
+  } else if (const auto* skipped = std::get_if<SkippedLine>(&result)) {
+    write_line("skip " + std::to_string(skipped->number));
+    send_ok("");
   } else {
     const auto& accepted = std::get<AcceptedLine>(result);
     if (accepted_) accepted_(accepted.text, accepted.number);

@@ -99,6 +99,7 @@ class MockMarlin final : public Firmware {
   };
 
   // mock_marlin.cpp: the loop; mock_replies.cpp: what it says
+  void boot();
   void process();
   void fire_due();
   void receive(char byte);
@@ -112,6 +113,8 @@ class MockMarlin final : public Firmware {
   void refuse_command(std::string_view why);
   void quick_stop();
   void refuse(const RefusedLine& refused);
+  void ask_for(std::int64_t number);
+  bool misses_line() const;
   void begin_command();
   bool resume();
   bool task_done(Task& task);
@@ -173,6 +176,7 @@ class MockMarlin final : public Firmware {
   double report_interval_ = 0;  ///< M155; 0: off
   double busy_interval_ = 2;
   double boot_until_ = 0, silent_until_ = -1;
+  double last_byte_t_ = 0;
   double slow_s_ = 0;
   std::uint64_t slow_commands_ = 0;
   bool halted_ = false;

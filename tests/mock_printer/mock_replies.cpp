@@ -17,11 +17,16 @@ std::string fixed(double value, int decimals) {
 }
 
 void MockMarlin::refuse(const RefusedLine& refused) {
+  write_line(options_.dialect.error_prefix + refused.error);
+  ask_for(refused.resend);
+}
+
+void MockMarlin::ask_for(std::int64_t number) {
   ++totals_.resends;
   ring_.clear();
   protocol_.drop_partial();
-  write_line(options_.dialect.error_prefix + refused.error);
-  write_line(options_.dialect.resend_prefix + std::to_string(refused.resend));
+  protocol_.note_request();
+  write_line(options_.dialect.resend_prefix + std::to_string(number));
   if (options_.dialect.resend_ok && !faults_.resend_lacks_ok()) send_ok("");
 }
 
