@@ -168,6 +168,7 @@ void Link::on_packet(const Packet& packet, double t) {
     early_ = true;
     return;
   }
+  if (packet.good) early_ = false, early_losses_ = 0;
   if (step_ == Step::asking) {
     if (packet.good) {
       on_query_reply(packet.payload, t);
@@ -246,7 +247,7 @@ void Link::elapsed(double t) {
     case Step::asking:
     case Step::acting:
       reader_.clear();
-      if (early_) times_tell_ = false;
+      if (std::exchange(early_, false) && ++early_losses_ >= kEarlyLosses) times_tell_ = false;
       ++failures_;
       return go_on(t);
     case Step::quiet:
