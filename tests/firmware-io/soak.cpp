@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <random>
+#include <utility>
 
 namespace voidpath::test {
 namespace {
@@ -254,8 +255,9 @@ SoakPrint soak_print(std::uint64_t seed, const SoakTrace& trace) {
     options.faults.push_back(any_fault(dice, lines, wired, what));
   const bool slow_reader = dice.one_in(6);
   if (slow_reader) what += " slow-reader";
-  SoakPrint print =
-      play(options, make_file(dice, lines, level), {.trace = trace, .read_every_s = slow_reader ? 0.05 : 0});
+  std::vector<std::string> file = make_file(dice, lines, level);
+  if (!wired) file.insert(file.begin(), "G28");  // without which it refuses to move
+  SoakPrint print = play(options, std::move(file), {.trace = trace, .read_every_s = slow_reader ? 0.05 : 0});
   print.what = what;
   return print;
 }
