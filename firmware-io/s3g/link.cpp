@@ -168,7 +168,6 @@ void Link::on_packet(const Packet& packet, double t) {
     early_ = true;
     return;
   }
-  if (packet.good) early_ = false, early_losses_ = 0;
   if (step_ == Step::asking) {
     if (packet.good) {
       on_query_reply(packet.payload, t);
@@ -247,7 +246,7 @@ void Link::elapsed(double t) {
     case Step::asking:
     case Step::acting:
       reader_.clear();
-      if (std::exchange(early_, false) && ++early_losses_ >= kEarlyLosses) times_tell_ = false;
+      if (early_) times_tell_ = false;
       ++failures_;
       return go_on(t);
     case Step::quiet:

@@ -93,9 +93,6 @@ class Link {
   std::uint64_t resends() const noexcept { return resends_; }
 
  private:
-  /// A copy of a reply and the loss of the next look like one that came too early, but hardly so often.
-  static constexpr int kEarlyLosses = 3;
-
   enum class Step {
     idle,
     asking,      ///< for the caller's query, or one of our own: see why_
@@ -141,16 +138,15 @@ class Link {
   double drain_t_ = 0;
   bool once_ = false;  ///< the caller's query must not be sent again
   bool in_doubt_ = false;
-  bool owed_ = false;                    ///< a reply to what was under way when it became urgent
-  bool early_ = false;                   ///< a reply has come too early, to the packet that is out
-  int early_losses_ = kEarlyLosses - 1;  ///< in a row: nothing followed in its time; the first reply tells
-  bool times_tell_ = true;               ///< the wire is as slow as it was said to be
-  int failures_ = 0;                     ///< of the request under way, in a row
+  bool owed_ = false;  ///< a reply to what was under way when it became urgent
+  bool early_ = false;      ///< a reply has come too early
+  bool times_tell_ = true;  ///< the wire is as slow as it was said to be
+  int failures_ = 0;  ///< of the request under way, in a row
   int glances_ = 0;
   Glance glance_;
   double due_t_ = 0, insist_until_ = 0, sent_t_ = 0;
   std::size_t packet_bytes_ = 0;  ///< of the one sent last
-  double good_t_ = 0;             ///< when the last undamaged reply came
+  double good_t_ = 0;  ///< when the last undamaged reply came
   std::uint64_t packets_sent_ = 0, bytes_sent_ = 0, resends_ = 0;
 };
 
