@@ -6,6 +6,9 @@
 #include "daemon/slicer/foreign.h"
 #include "engine/gcode/estimate.h"
 #include "engine/pipeline/prepare.h"
+#include "firmware-io/printer_port.h"
+#include "firmware-io/s3g/check_file.h"
+#include "firmware-io/s3g/encoder.h"
 
 #include <cerrno>
 #include <chrono>
@@ -146,6 +149,17 @@ void prepare_model(const PrepareTask& task, const config::JobOverrides& override
   result.slicer_messages = prepared.slicer_messages;
 }
 
+/// The file as the MakerBot's session would send it.
+void check_for_makerbot(const PrepareTask& task, const run::Context& ctx) {
+  try {
+    fw::s3g::check_file(*fw::open_gcode_file(task.gcode_out.string()), *task.s3g, ctx.stop);
+  } catch (const fw::s3g::EncodeError& error) {
+    const bool ready = input_kind(task.input) == InputKind::gcode;
+    throw std::runtime_error(task.input.string() + (ready ? ": " : ", sliced: ") + error.what());
+  }
+  ctx.check();
+}
+
 PrepareResult run_task(const PrepareTask& task, const run::Context& ctx) {
   PrepareResult result;
   fs::create_directories(task.gcode_out.parent_path());
@@ -173,6 +187,7 @@ PrepareResult run_task(const PrepareTask& task, const run::Context& ctx) {
     with_line.limits.baud = task.printer.baud;
     prepare_model(task, overrides, with_line, ctx, result);
   }
+  if (task.s3g) check_for_makerbot(task, ctx);
   sync_to_disk(task.gcode_out);
   result.kind = PrepareResult::Kind::prepared;
   return result;

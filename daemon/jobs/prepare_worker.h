@@ -5,6 +5,7 @@
 #include "daemon/jobs/job.h"
 #include "engine/run/context.h"
 #include "firmware-io/firmware_limits.h"
+#include "firmware-io/s3g/machine.h"
 
 #include <filesystem>
 #include <functional>
@@ -27,6 +28,7 @@ struct PrepareTask {
   config::PrinterConfig printer;
   /// As the printer told at its last connection; nothing: the profile's word counts.
   std::optional<fw::FirmwareLimits> firmware;
+  std::optional<fw::s3g::Machine> s3g;  ///< of a MakerBot: what it would refuse in mid-print fails here
   config::OrientConfig orient;
   config::SlicerConfig slicer;
 };

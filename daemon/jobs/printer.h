@@ -45,6 +45,8 @@ class Printer {
 
   const config::PrinterConfig& config() const noexcept { return config_; }
   const std::string& name() const noexcept { return config_.name; }
+  /// The MakerBot that the port speaks to; empty: another printer.
+  const std::optional<fw::s3g::Machine>& s3g() const noexcept { return options_.s3g; }
 
   /// Opens the port; where that cannot be, tries again until it can.
   void open();

@@ -63,8 +63,10 @@ void Runner::schedule_prepare() {
   task.options = next->options;
   task.folder = next->folder;
   task.gcode_out = gcode_of(next->id);
-  task.printer = find_printer(next->printer)->config();
-  task.firmware = find_printer(next->printer)->limits();
+  const Printer& printer = *find_printer(next->printer);
+  task.printer = printer.config();
+  task.firmware = printer.limits();
+  task.s3g = printer.s3g();
   task.orient = config_.orient;
   task.slicer = config_.slicer;
   decide(task.job, Event::prepare_begun, [](Job& job) { job.message.clear(); });

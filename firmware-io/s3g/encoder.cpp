@@ -64,6 +64,14 @@ Encoded Encoder::encode(std::string_view line) {
   return std::exchange(out_, {});
 }
 
+Encoded Encoder::encode(const SourceLine& line) {
+  try {
+    return encode(std::string_view(line.text));
+  } catch (const EncodeError& error) {
+    throw EncodeError(line, error.what());
+  }
+}
+
 void Encoder::restart() { state_ = {}; }
 
 void Encoder::set_stand(const std::array<std::int32_t, kAxes>& steps) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "firmware-io/line_source.h"
 #include "firmware-io/s3g/action.h"
 #include "firmware-io/s3g/machine.h"
 #include "firmware-io/s3g/words.h"
@@ -16,6 +17,9 @@ namespace voidpath::fw::s3g {
 class EncodeError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
+  /// With its line in the file.
+  EncodeError(const SourceLine& line, const std::string& what)
+      : std::runtime_error("line " + std::to_string(line.index + 1) + ": " + what) {}
 };
 
 /// What one line of G-code comes to.
@@ -41,6 +45,8 @@ class Encoder {
 
   /// Throws EncodeError; then nothing has changed.
   Encoded encode(std::string_view line);
+  /// The same; the error names the line in the file.
+  Encoded encode(const SourceLine& line);
 
   /// Build notifications, sent once whatever the file does.
   Action build_start(std::string_view name);

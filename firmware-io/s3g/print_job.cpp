@@ -201,7 +201,7 @@ void PrintJob::fetch() {
 void PrintJob::take_line(const SourceLine& line) {
   line_ = line;
   position_ = source_->position();
-  Encoded encoded = encoder_.encode(line.text);
+  Encoded encoded = encoder_.encode(line);
   for (const std::string& note : encoded.notes) emit_(Message{note});
   for (Action& action : encoded.actions) pending_.push_back(std::move(action));
   switch (encoded.host) {

@@ -33,14 +33,9 @@ std::vector<std::string> write_x3g(LineSource& gcode, const Machine& machine, co
   };
   write(encoder.build_start(name).payload);
   while (const auto line = gcode.next()) {
-    Encoded encoded;
-    try {
-      encoded = encoder.encode(line->text);
-      if (encoded.host == Encoded::Host::halt)
-        throw EncodeError(line->text + ": a file from a card cannot stop the printer");
-    } catch (const EncodeError& error) {
-      throw EncodeError("line " + std::to_string(line->index + 1) + ": " + error.what());
-    }
+    Encoded encoded = encoder.encode(*line);
+    if (encoded.host == Encoded::Host::halt)
+      throw EncodeError(*line, line->text + ": a file from a card cannot stop the printer");
     for (std::string& note : encoded.notes) notes.push_back(std::move(note));
     for (const Action& action : encoded.actions) write(action.payload);
     if (encoded.host == Encoded::Host::pause) write(wait_for_button("Press to go on"));

@@ -170,7 +170,7 @@ class RunnerRig {
     runner = std::make_unique<daemon::Runner>(
         daemon::Runner::Services{loop, *store, *settler, log,
                                  [this](const auto& task, const auto& ctx) { return prepare(task, ctx); },
-                                 port, [](const config::PrinterConfig&) { return fw::PortOptions{}; }, &pins},
+                                 port, [this](const config::PrinterConfig&) { return port_options; }, &pins},
         config);
     runner->start();
     loop.run();
@@ -225,6 +225,7 @@ class RunnerRig {
 
   TempDir dir;
   config::DaemonConfig config;
+  fw::PortOptions port_options;
   ManualLoop loop;
   FakePins pins;
   daemon::EventLog log{{}, false};

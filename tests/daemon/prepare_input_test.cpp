@@ -65,3 +65,24 @@ TEST_CASE("what stood beside a file counts when it is tried again from another f
   inbox.dir.write("inbox/failed/a.voidpath.yaml", "copies: 2\n");
   CHECK(inbox.prepare("failed/a.gcode").copies == 2);
 }
+
+TEST_CASE("G-code that a MakerBot would refuse in mid-print fails before it is printed") {
+  const voidpath::test::TempDir dir;
+  const std::string good = "; by hand\nG28\nG1 X10 Y10 Z1 F1200\n";
+  const auto prepare = [&](const std::string& text, bool makerbot = true) {
+    PrepareTask task;
+    task.input = dir.write("inbox/part.gcode", text);
+    task.file = *identify(task.input);
+    task.folder = dir / "inbox";
+    task.gcode_out = dir / "state/1/print.gcode";
+    task.printer.profile = "makerbot-replicator-2";
+    if (makerbot) task.s3g.emplace();
+    return prepare_input(task, {});
+  };
+  CHECK(prepare(good).kind == PrepareResult::Kind::prepared);
+  const auto refused = prepare(good + "G5 X1 Y1\n");
+  CHECK(refused.kind == PrepareResult::Kind::failed);
+  CHECK(refused.message.starts_with((dir / "inbox/part.gcode").string() + ": line 4: G5 X1 Y1: "));
+  CHECK_FALSE(std::filesystem::exists(dir / "state/1/print.gcode"));
+  CHECK(prepare(good + "G5 X1 Y1\n", false).kind == PrepareResult::Kind::prepared);
+}

@@ -384,6 +384,21 @@ TEST_CASE("a file that turns out to be in the making goes back to settling") {
   CHECK(rig.runner->queue().size() == 1);
 }
 
+TEST_CASE("a MakerBot's files are prepared for the machine that its port speaks to") {
+  RunnerRig rig;
+  rig.port_options.s3g.emplace().extruders = 2;
+  rig.restart();
+  int extruders = 0;
+  const auto good = rig.prepare;
+  rig.prepare = [&](const PrepareTask& task, const voidpath::run::Context& ctx) {
+    if (task.s3g) extruders = task.s3g->extruders;
+    return good(task, ctx);
+  };
+  rig.drop("a.gcode");
+  REQUIRE(rig.reaches("a.gcode", State::waiting_bed));
+  CHECK(extruders == 2);
+}
+
 TEST_CASE("a file taken out of the folder before its turn is not printed") {
   RunnerRig rig;
   rig.connect();

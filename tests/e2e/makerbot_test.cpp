@@ -3,6 +3,7 @@
 #include "tests/support/meshes.h"
 
 #include <algorithm>
+#include <fstream>
 
 #include <catch2/catch.hpp>
 
@@ -63,4 +64,16 @@ TEST_CASE("a cancel at the MakerBot's panel cancels the job") {
   mesh::write_model(box(30, 20, 4), rig.inbox() / "tile.stl");
   REQUIRE(rig.wait_for_history(1, 180));
   CHECK(rig.history().at(0).at("state") == "cancelled");
+}
+
+TEST_CASE("G-code that a MakerBot cannot carry out to its end does not begin") {
+  BenchRig rig(replicator());
+  rig.start_mock();
+  rig.start_daemon();
+  std::ofstream(rig.inbox() / "part.gcode") << "M136\nM104 S200\nG28\nG1 X1 Y1 Z1 F1200\nG5 X2 Y2\nM137\n";
+  REQUIRE(rig.wait_for_history(1));
+  const auto row = rig.history().at(0);
+  CHECK(row.at("state") == "failed");
+  CHECK_THAT(row.at("reason").get<std::string>(), Catch::Contains("part.gcode: line 5: G5 X2 Y2: "));
+  CHECK(rig.executed_lines().empty());
 }
