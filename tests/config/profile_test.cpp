@@ -44,11 +44,12 @@ TEST_CASE("a base profile is laid under the one that names it") {
   CHECK(ender.print.machine.start_gcode == load_profile("generic-marlin").print.machine.start_gcode);
 }
 
-TEST_CASE("the MakerBots are three machines of one family") {
+TEST_CASE("the MakerBots are four machines of one family") {
   const Profile two = load_profile("makerbot-replicator-2");
   const Profile two_x = load_profile("makerbot-replicator-2x,abs");
   const Profile first = load_profile("makerbot-replicator,abs");
-  for (const Profile* p : {&two, &two_x, &first}) {
+  const Profile single = load_profile("makerbot-replicator-single,abs");
+  for (const Profile* p : {&two, &two_x, &first, &single}) {
     CHECK(p->limits.firmware == motion::Firmware::s3g);
     CHECK(p->print.machine.origin_at_centre);
     REQUIRE(p->limits.jerk_mm_s.has_value());
@@ -60,8 +61,13 @@ TEST_CASE("the MakerBots are three machines of one family") {
   CHECK(two_x.extruders == 2);
   CHECK(two_x.heated_bed);
   CHECK(two_x.print.machine.bed_mm[0] == 246);
-  CHECK(first.limits.steps_per_mm[0] == Approx(94.139704));
-  CHECK(first.limits.travel_mm[2] == 150);
+  CHECK(first.extruders == 2);
+  CHECK(single.extruders == 1);
+  CHECK(single.heated_bed);
+  for (const Profile* p : {&first, &single}) {
+    CHECK(p->limits.steps_per_mm[0] == Approx(94.139704));
+    CHECK(p->limits.travel_mm[2] == 150);
+  }
 }
 
 TEST_CASE("a value set by hand wins, and changes the hash") {

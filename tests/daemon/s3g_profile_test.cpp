@@ -13,11 +13,17 @@
 
 using namespace voidpath;
 
+namespace {
+
+constexpr const char* kMakerBots[] = {"makerbot-replicator", "makerbot-replicator-single",
+                                      "makerbot-replicator-2", "makerbot-replicator-2x"};
+
+}  // namespace
+
 TEST_CASE("what is sliced for a MakerBot can be sent to it, every line") {
   const test::TempDir dir;
   mesh::write_model(test::box(20, 10, 2), dir / "box.stl");
-  for (const std::string printer :
-       {"makerbot-replicator", "makerbot-replicator-2", "makerbot-replicator-2x"}) {
+  for (const std::string printer : kMakerBots) {
     for (const std::string material : {"pla", "petg", "abs"}) {
       INFO(printer << ", " << material);
       const config::Profile profile = config::load_profile(printer, material, "0.28mm");
@@ -46,8 +52,7 @@ TEST_CASE("what is sliced for a MakerBot can be sent to it, every line") {
 }
 
 TEST_CASE("no motor of a MakerBot moves with the lesser current that a print left while it heated") {
-  for (const std::string printer :
-       {"makerbot-replicator", "makerbot-replicator-2", "makerbot-replicator-2x"}) {
+  for (const std::string printer : kMakerBots) {
     INFO(printer);
     const config::Profile profile = config::load_profile(printer, "pla", "0.28mm");
     const auto least_moved_with = [&](const std::vector<std::string>& lines) {
