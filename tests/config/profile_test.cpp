@@ -56,6 +56,7 @@ TEST_CASE("the MakerBots are four machines of one family") {
     CHECK((*p->limits.jerk_mm_s)[0] == 15);
     CHECK(p->cancel_gcode.size() == 4);
   }
+  CHECK(two.limits.steps_per_mm[0] == Approx(3200 / 36.0));
   CHECK(two.extruders == 1);
   CHECK_FALSE(two.heated_bed);
   CHECK(two_x.extruders == 2);
@@ -65,7 +66,8 @@ TEST_CASE("the MakerBots are four machines of one family") {
   CHECK(single.extruders == 1);
   CHECK(single.heated_bed);
   for (const Profile* p : {&first, &single}) {
-    CHECK(p->limits.steps_per_mm[0] == Approx(94.139704));
+    // 3200 steps a turn; pulleys of 17 teeth, 2 mm apart, and of 18 on the others.
+    CHECK(p->limits.steps_per_mm[0] == Approx(3200 / 34.0));
     CHECK(p->limits.travel_mm[2] == 150);
   }
 }
