@@ -5,20 +5,18 @@
 
 namespace voidpath::daemon {
 
-void PrintTimer::close_pause(double now_s) {
-  if (!paused_) return;
-  const double span = now_s - *paused_;
-  paused_total_s_ += span;
-  // A wait for a temperature within a pause is counted once.
-  if (motion_) idle_in_motion_s_ += now_s - std::max(*paused_, *motion_);
-  paused_.reset();
+void PrintTimer::open(std::optional<double>& span, double now_s) {
+  if (!span) span = now_s;
+  if (!idle_) idle_ = now_s;
 }
 
-void PrintTimer::close_heating(double now_s) {
-  if (!heating_) return;
-  heating_s_ += now_s - *heating_;
-  if (motion_ && !paused_) idle_in_motion_s_ += now_s - std::max(*heating_, *motion_);
-  heating_.reset();
+void PrintTimer::close(std::optional<double>& span, double& total_s, double now_s) {
+  if (!span) return;
+  total_s += now_s - *span;
+  span.reset();
+  if (paused_ || heating_) return;
+  idle_in_motion_s_ = idle_s(now_s);
+  idle_.reset();
 }
 
 void PrintTimer::enter_layer(std::uint32_t line, double now_s) {
@@ -35,8 +33,10 @@ void PrintTimer::on(const fw::Event& event) {
   if (std::holds_alternative<fw::PrintStarted>(event.what)) {
     started_ = now;
   } else if (const auto* heat = std::get_if<fw::Heating>(&event.what)) {
-    if (heat->on && !heating_) heating_ = now;
-    if (!heat->on) close_heating(now);
+    if (heat->on)
+      open(heating_, now);
+    else
+      close(heating_, heating_s_, now);
   } else if (std::holds_alternative<fw::MotionStarted>(event.what)) {
     // Start G-code may heat, move and heat again: what counts is the last start before the first layer.
     if (!motion_ || current_layer_ == 0) {
@@ -44,9 +44,9 @@ void PrintTimer::on(const fw::Event& event) {
       idle_in_motion_s_ = 0;
     }
   } else if (std::holds_alternative<fw::Paused>(event.what)) {
-    if (!paused_) paused_ = now;
+    open(paused_, now);
   } else if (std::holds_alternative<fw::Resumed>(event.what)) {
-    close_pause(now);
+    close(paused_, paused_total_s_, now);
   } else if (const auto* done = std::get_if<fw::LineDone>(&event.what)) {
     enter_layer(done->index, now);
   } else if (const auto* stats = std::get_if<fw::LinkStats>(&event.what)) {
@@ -57,22 +57,16 @@ void PrintTimer::on(const fw::Event& event) {
              std::holds_alternative<fw::PrintFailed>(event.what) ||
              std::holds_alternative<fw::Disconnected>(event.what)) {
     if (ended_) return;
-    close_heating(now);
-    close_pause(now);
+    close(heating_, heating_s_, now);
+    close(paused_, paused_total_s_, now);
     ended_ = now;
     finished_ = std::holds_alternative<fw::PrintFinished>(event.what);
   }
 }
 
 double PrintTimer::idle_s(double now_s) const noexcept {
-  double idle = idle_in_motion_s_;
-  if (!motion_) return idle;
-  if (paused_) {
-    idle += now_s - std::max(*paused_, *motion_);
-  } else if (heating_) {
-    idle += now_s - std::max(*heating_, *motion_);
-  }
-  return idle;
+  if (!motion_ || !idle_) return idle_in_motion_s_;
+  return idle_in_motion_s_ + now_s - std::max(*idle_, *motion_);
 }
 
 std::optional<double> PrintTimer::measured_s() const {

@@ -38,12 +38,13 @@ class PrintTimer {
  private:
   double idle_s(double now_s) const noexcept;  ///< pauses and waits since motion began
   void enter_layer(std::uint32_t line, double now_s);
-  void close_pause(double now_s);
-  void close_heating(double now_s);
+  void open(std::optional<double>& span, double now_s);
+  void close(std::optional<double>& span, double& total_s, double now_s);
 
   std::vector<gcode::LayerTime> layers_;
   std::vector<double> entered_s_;  ///< motion time at which each layer was entered
   std::optional<double> started_, motion_, ended_, paused_, heating_;
+  std::optional<double> idle_;  ///< since then without a gap: paused, waiting, or both
   double last_s_ = 0;
   double heating_s_ = 0;
   double paused_total_s_ = 0;

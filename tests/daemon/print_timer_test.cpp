@@ -43,6 +43,34 @@ TEST_CASE("pauses and later waits for temperature are taken out, overlapping one
   CHECK(s.timer.heating_s() == Approx(17));
 }
 
+TEST_CASE(
+    "a pause and a wait for temperature that overlap are taken out once, whichever begins and ends first") {
+  const fw::Paused pause{false, ""};
+  const auto measured = [](auto first, auto second, auto third, auto fourth) {
+    Script s;
+    s.at(0, fw::PrintStarted{}).at(0, fw::MotionStarted{}).at(0, fw::LineDone{10, 0});
+    s.at(10, first).at(3, second).at(5, third);
+    CHECK(s.timer.elapsed_s() == Approx(10));
+    s.at(7, fourth).at(1, fw::LineDone{15, 0});
+    CHECK(s.timer.elapsed_s() == Approx(11));
+    s.at(9, fw::PrintFinished{});
+    return s.timer.measured_s().value();
+  };
+  CHECK(measured(fw::Heating{true}, pause, fw::Resumed{}, fw::Heating{false}) == Approx(20));
+  CHECK(measured(fw::Heating{true}, pause, fw::Heating{false}, fw::Resumed{}) == Approx(20));
+  CHECK(measured(pause, fw::Heating{true}, fw::Resumed{}, fw::Heating{false}) == Approx(20));
+  CHECK(measured(pause, fw::Heating{true}, fw::Heating{false}, fw::Resumed{}) == Approx(20));
+}
+
+TEST_CASE("a print that ends in a pause amid a wait for temperature was idle once") {
+  Script s;
+  s.at(0, fw::PrintStarted{}).at(0, fw::MotionStarted{});
+  s.at(10, fw::Heating{true}).at(5, fw::Paused{false, ""}).at(20, fw::PrintCancelled{});
+  CHECK(s.timer.elapsed_s() == Approx(10));
+  CHECK(s.timer.paused_s() == Approx(20));
+  CHECK(s.timer.heating_s() == Approx(25));
+}
+
 TEST_CASE("a second start before the first layer counts, one within the print does not") {
   Script s;
   s.at(0, fw::PrintStarted{}).at(1, fw::MotionStarted{}).at(30, fw::Heating{true}).at(20, fw::Heating{false});
