@@ -21,10 +21,12 @@ struct PortOptions {
   int keepalive_s = 2;   ///< a Marlin at a long command is to say so this often; 0: as it is set
   /// False: the port is closed without a hang-up, so that opening it again restarts no board.
   bool reset_on_connect = true;
-  double boot_wait_s = 3;                 ///< how long to wait for "start" after opening
-  double reconnect_s = 2;                 ///< how often a missing port is tried again
-  std::optional<s3g::Machine> s3g;        ///< of a MakerBot; empty: Marlin
-  std::vector<std::string> cancel_gcode;  ///< sent after a cancel, before heaters off (lift, park)
+  double boot_wait_s = 3;           ///< how long to wait for "start" after opening
+  double reconnect_s = 2;           ///< how often a missing port is tried again
+  std::optional<s3g::Machine> s3g;  ///< of a MakerBot; empty: Marlin
+  /// Sent after a cancel, before heaters off (lift, park), written as in a file; by a MakerBot also when a
+  /// print fails on its file.
+  std::vector<std::string> cancel_gcode;
 };
 
 /// One printer. Starts its own thread, which connects, reconnects and streams; all calls below only post
@@ -42,10 +44,13 @@ class PrinterPort {
   virtual void resume() = 0;
   /// Ends the print: stops feeding, runs cancel_gcode, heaters and fan off, motors free.
   virtual void cancel(std::string reason) = 0;
-  /// Emergency: M112 ahead of everything queued. Waits on no lock.
+  /// Emergency: M112, or what S3G has for it, ahead of everything queued. Waits on no lock. Where the port is
+  /// gone, or goes before the printer has had time to hear, it is the first that goes out when it is back.
   virtual void halt(std::string reason) = 0;
-  /// A line of the user's, sent between the print's own; its answer comes as Message.
-  virtual void command(std::string line) = 0;
+  /// Not that: a person has seen to the printer.
+  virtual void forget_halt() = 0;
+  /// Lines of the user's, sent between the print's own; their answers come as Message.
+  virtual void command(std::string text) = 0;
   /// The last lines each way, oldest first, as "> sent" and "< received" with their times.
   virtual std::vector<std::string> dialogue() const = 0;
 };

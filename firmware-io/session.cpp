@@ -74,8 +74,11 @@ class Session final : public PrinterPort {
     delete halt_.exchange(new std::string(std::move(reason)));
     wake();
   }
-  void command(std::string line) override {
-    post([this, line = std::move(line)] { dialogue_->command(line, now()); });
+  void forget_halt() override {
+    post([this] { halt_owed_.reset(); });
+  }
+  void command(std::string text) override {
+    post([this, text = std::move(text)] { dialogue_->command(text, now()); });
   }
   std::vector<std::string> dialogue() const override { return recorder_.lines(); }
 
@@ -235,7 +238,7 @@ class Session final : public PrinterPort {
   std::unique_ptr<Transport> transport_;
   double reopen_at_ = 0;
   double due_ = 0;  ///< the dialogue's deadline
-  /// The reason of a halt of which the printer may not have heard: the port was, or is, gone.
+  /// The reason of a halt of which the printer may not have heard.
   std::optional<std::string> halt_owed_;
 
   std::atomic<std::string*> halt_{nullptr};  ///< the reason of a halt not yet carried out; owned

@@ -176,6 +176,10 @@ void Printer::command(const std::string& line) {
   if (port_) port_->command(line);
 }
 
+void Printer::forget_halt() {
+  if (port_) port_->forget_halt();
+}
+
 std::vector<std::string> Printer::dialogue() const {
   return port_ ? port_->dialogue() : std::vector<std::string>{};
 }

@@ -79,6 +79,8 @@ class Printer {
   void resume();
   void cancel(const std::string& reason);
   void command(const std::string& line);
+  /// After an emergency stop: see PrinterPort.
+  void forget_halt();
   std::vector<std::string> dialogue() const;
   /// Emergency stop: the power first, then the printer. Any thread, at once; waits on no lock.
   void halt_now(const std::string& reason) noexcept;

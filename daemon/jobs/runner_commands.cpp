@@ -74,6 +74,7 @@ void Runner::bed_clear(const std::string& name) {
   memory.held.clear();
   s_.store.save_printer(one.name(), memory);
   one.memory = memory;
+  one.forget_halt();
   if (one.pins()) one.pins()->acknowledge();
   s_.log.info("bed_clear", {{"printer", one.name()}});
   changed();

@@ -110,6 +110,7 @@ class FakePort final : public fw::PrinterPort {
   void resume() override { printer_.calls.push_back("resume"); }
   void cancel(std::string) override { printer_.calls.push_back("cancel"); }
   void halt(std::string) override { printer_.calls.push_back("halt"); }
+  void forget_halt() override { printer_.calls.push_back("forget_halt"); }
   void command(std::string line) override { printer_.calls.push_back("command " + line); }
   std::vector<std::string> dialogue() const override { return {"> M105", "< ok"}; }
 

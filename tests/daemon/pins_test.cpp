@@ -131,6 +131,18 @@ TEST_CASE("M112 typed at the terminal stops as the button does, connected or not
   CHECK(rig.runner->printers()[0]->memory.held == "emergency stop by command");
 }
 
+TEST_CASE("a printer without power at an emergency stop is not stopped again when it has some") {
+  PinRig rig;
+  rig.connect();
+  rig.print("a.stl");
+  REQUIRE(rig.pulled());
+  rig.printer.say(fw::Disconnected{"unplugged"});
+  REQUIRE(rig.let_go());
+  CHECK(rig.printer.count("forget_halt") == 1);  // the one before the print
+  rig.runner->bed_clear("");
+  CHECK(rig.printer.count("forget_halt") == 2);
+}
+
 TEST_CASE("the emergency stop cuts the power, halts, fails the job and holds the queue") {
   PinRig rig;
   rig.connect();

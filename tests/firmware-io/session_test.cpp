@@ -381,6 +381,21 @@ TEST_CASE("an emergency stop while the port is gone is the first that goes out w
   CHECK(rig.peer->executed().empty());
 }
 
+TEST_CASE("an emergency stop that a person has seen to is not said to the printer when its port is back",
+          "[session]") {
+  Rig rig;
+  REQUIRE(rig.listener.wait_for<Connected>());
+  rig.unplug();
+  REQUIRE(rig.listener.wait_for<Disconnected>());
+  rig.port->halt("button");
+  rig.port->forget_halt();
+  rig.port->print(source(moves(1)));
+  REQUIRE(rig.listener.wait_for<PrintFailed>());  // all before it has been carried out
+  rig.plug();
+  REQUIRE(rig.listener.wait_for<Connected>(2));
+  CHECK(rig.reopened());  // and no third time
+}
+
 TEST_CASE("an emergency stop that the cable took with it is said again", "[session]") {
   Rig rig;
   REQUIRE(rig.listener.wait_for<Connected>());
