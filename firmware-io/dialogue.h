@@ -29,8 +29,9 @@ class Dialogue {
   virtual void resume(double t) = 0;
   virtual void cancel(const std::string& reason, double t) = 0;
   virtual void halt(const std::string& reason, double t) = 0;
-  virtual void command(const std::string& line, double t) = 0;
-  /// Ends a print with the heaters first. Afterwards finished() tells when that is through.
+  virtual void command(const std::string& text, double t) = 0;
+  /// Ends a print with the heaters first. Afterwards finished() tells when that is through, and an emergency
+  /// stop heard.
   virtual void shut_down(double t) = 0;
   virtual bool finished() const noexcept = 0;
 

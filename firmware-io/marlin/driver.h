@@ -57,9 +57,9 @@ class Driver final : public Dialogue {
   void resume(double t) override;
   void cancel(const std::string& reason, double t) override;
   void halt(const std::string& reason, double t) override;
-  void command(const std::string& line, double t) override;
+  void command(const std::string& text, double t) override;
   void shut_down(double t) override;
-  bool finished() const noexcept override { return phase_ == Phase::closed || !job_; }
+  bool finished() const noexcept override { return phase_ == Phase::closed || (!job_ && !still_halting()); }
 
   std::string& output() noexcept override { return link_.output(); }
   bool take_urgent() noexcept override { return std::exchange(urgent_, false); }
@@ -105,6 +105,7 @@ class Driver final : public Dialogue {
   double end_probe_at() const noexcept;
   void command_line(std::string_view raw, double t);
   void say_halt(double t);
+  bool still_halting() const noexcept { return phase_ == Phase::halted && phase_deadline_ <= halting_until_; }
   void give_up(const std::string& reason, double t);
   void disconnect(const std::string& reason);
   LinkStats link_stats() const;

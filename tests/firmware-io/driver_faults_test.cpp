@@ -222,9 +222,11 @@ TEST_CASE("a printer that is given up is told M112 until it has room for it", "[
     return line.find("M112") != line.npos && ++said <= 6 ? std::string() : line;
   };
   REQUIRE(bench.run_until([&] { return over(bench); }, 400));
+  CHECK_FALSE(bench.driver.finished());
   bench.mute = false;
-  REQUIRE(bench.run_until([&] { return bench.driver.closing(); }, 5));
+  REQUIRE(bench.run_until([&] { return bench.driver.finished(); }, 5));
   CHECK(bench.firmware.dead);
+  REQUIRE(bench.run_until([&] { return bench.driver.closing(); }, 5));
   CHECK(said == 8);  // each time without a number and with one
 }
 
