@@ -20,6 +20,8 @@ constexpr int kEagerRoomPolls = 20;
 /// With so much room it is the wire that is narrow: then nothing is asked and packets are simply sent.
 constexpr std::uint32_t kPlenty = kQueueBytes / 2;
 
+constexpr char kBusy[] = "the printer is busy with a print from its own card or a script of its own";
+
 }  // namespace
 
 Driver::Driver(DriverOptions options, const Clock& stamp, FlightRecorder& recorder,
@@ -116,8 +118,8 @@ void Driver::on_refused(const Refused& refused) {
       told_cancelled_ = true;  // and what more it says is asked next
       return;
     case ReplyCode::busy:
-      return drop_job(
-          PrintFailed{"the printer is busy with a print from its own card or a script of its own"});
+      if (!job_) return emit(Message{"not done: " + std::string(kBusy)});
+      return drop_job(PrintFailed{kBusy});
     case ReplyCode::heater_failure:
       if (!job_) return disconnect(kHeatersShut);
       return drop_job(PrintFailed{kHeatersShut});

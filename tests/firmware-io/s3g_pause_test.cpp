@@ -126,6 +126,17 @@ TEST_CASE("a print from the card is left alone: a job is refused at once and tou
   }
 }
 
+TEST_CASE("a command that a printer refuses during a print from its card is not lost without a word",
+          "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  bench.mock.print_from_card(600);
+  bench.run_for(20);
+  bench.driver.command("M104 S50", bench.t);
+  bench.run_for(1);
+  CHECK(bench.said("busy with a print from its own card"));
+}
+
 TEST_CASE("what an earlier session left running is waited for", "[s3g]") {
   S3gBench bench(real_wire());
   REQUIRE(bench.connect());
