@@ -1,5 +1,6 @@
 #include "daemon/jobs/filing.h"
 #include "daemon/jobs/runner.h"
+#include "firmware-io/lines_of.h"
 #include "firmware-io/marlin/codec.h"
 #include "firmware-io/marlin/words.h"
 
@@ -10,6 +11,17 @@
 namespace voidpath::daemon {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+bool is_emergency_stop(const std::string& text) {
+  const auto lines = fw::lines_of(text);
+  return std::any_of(lines.begin(), lines.end(), [](std::string_view line) {
+    return fw::marlin::first_word(fw::marlin::sanitise(line)) == fw::marlin::Word{'M', 112};
+  });
+}
+
+}  // namespace
 
 Printer& Runner::printer(const std::string& name) {
   if (name.empty()) {
@@ -142,7 +154,7 @@ void Runner::move(JobId id, std::int64_t place) {
 
 void Runner::command_line(const std::string& name, const std::string& line) {
   Printer& one = printer(name);
-  if (fw::marlin::first_word(fw::marlin::sanitise(line)) == fw::marlin::Word{'M', 112}) {
+  if (is_emergency_stop(line)) {
     const std::string reason = "emergency stop by command";
     one.halt_now(reason);
     return halted(one.name(), reason);

@@ -130,16 +130,6 @@ std::string sanitise(std::string_view raw) {
   return out;
 }
 
-std::vector<std::string_view> lines_of(std::string_view text) {
-  std::vector<std::string_view> lines;
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
-    if (end > 0) lines.push_back(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
-  return lines;
-}
-
 bool is_clean(std::string_view payload) noexcept {
   return !payload.empty() && payload.front() != ' ' && payload.back() != ' ' &&
          std::all_of(payload.begin(), payload.end(), allowed);

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <vector>
 
 /// The bytes of Marlin's serial protocol, host to printer. Pure functions, any thread.
 namespace voidpath::fw::marlin {
@@ -33,9 +32,6 @@ void append_dense_frame(std::string& out, std::uint32_t number, std::string_view
 /// alters before it sums the line (anything beyond printable ASCII, `\`, `*`, parentheses). Empty when
 /// nothing is left. Length is not looked at.
 std::string sanitise(std::string_view raw);
-
-/// The lines of a text, whatever ends them, without empty ones.
-std::vector<std::string_view> lines_of(std::string_view text);
 
 /// True when a firmware takes the text exactly as it stands.
 bool is_clean(std::string_view payload) noexcept;

@@ -1,4 +1,5 @@
 #include "firmware-io/heaters_off.h"
+#include "firmware-io/lines_of.h"
 #include "firmware-io/marlin/driver.h"
 #include "firmware-io/marlin/meatpack.h"
 #include "firmware-io/marlin/words.h"

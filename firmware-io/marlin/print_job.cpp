@@ -1,7 +1,7 @@
 #include "firmware-io/marlin/print_job.h"
 
 #include "firmware-io/heaters_off.h"
-#include "firmware-io/marlin/codec.h"
+#include "firmware-io/lines_of.h"
 #include "firmware-io/marlin/file_command.h"
 #include "firmware-io/marlin/words.h"
 

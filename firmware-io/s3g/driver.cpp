@@ -1,6 +1,7 @@
 #include "firmware-io/s3g/driver.h"
 
 #include "firmware-io/heaters_off.h"
+#include "firmware-io/lines_of.h"
 
 #include <algorithm>
 #include <limits>
@@ -390,12 +391,15 @@ void Driver::halt(const std::string& reason, double t) {
   phase_ = Phase::halted;
 }
 
-void Driver::command(const std::string& line, double t) {
+void Driver::command(const std::string& text, double t) {
   last_t_ = t;
-  if (line.empty()) return;
+  for (const std::string_view line : lines_of(text)) command_line(line, t);
+}
+
+void Driver::command_line(std::string_view line, double t) {
   if (phase_ != Phase::ready) {
     if (Words(line).letter() == 'M' && Words(line).code() == 112) return halt("emergency stop by command", t);
-    return emit(Message{"not sent, the printer is not connected: " + line});
+    return emit(Message{"not sent, the printer is not connected: " + std::string(line)});
   }
   try {
     Encoded encoded = encoder_.encode(line);

@@ -44,7 +44,7 @@ class Driver final : public Dialogue {
   void resume(double t) override;
   void cancel(const std::string& reason, double t) override;
   void halt(const std::string& reason, double t) override;
-  void command(const std::string& line, double t) override;
+  void command(const std::string& text, double t) override;
   void shut_down(double t) override;
   bool finished() const noexcept override {
     return phase_ == Phase::closed || (!job_ && phase_ != Phase::halted);
@@ -76,6 +76,7 @@ class Driver final : public Dialogue {
   void on_tool_answer(const Answer& answer);
   void on_build(const Answer& answer, double t);
   void on_cancelled(const Answer& answer);
+  void command_line(std::string_view line, double t);
   void on_refused(const Refused& refused);
   void on_dead(const Dead& dead, double t);
   void on_aborted(ReplyCode code, double t);

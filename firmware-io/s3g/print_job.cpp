@@ -1,5 +1,7 @@
 #include "firmware-io/s3g/print_job.h"
 
+#include "firmware-io/lines_of.h"
+
 #include <exception>
 #include <utility>
 
@@ -113,7 +115,7 @@ void PrintJob::on_answer(const Answer& answer, double t) {
       if (query != Query::position) return;
       if (good) encoder_.set_stand(steps);
       wait_ = Wait::none;
-      queue_ending();
+      queue_endings();
       return;
   }
 }
@@ -291,15 +293,18 @@ void PrintJob::end(std::vector<std::string> lines, decltype(Event::what) outcome
   ask_t_ = 0;
 }
 
-void PrintJob::queue_ending() {
-  state_ = State::ending;
-  for (const std::string& line : ending_lines_) {
-    try {
-      for (Action& action : encoder_.encode(line).actions) pending_.push_back(std::move(action));
-    } catch (const EncodeError& error) {
-      emit_(Message{error.what()});
-    }
+void PrintJob::queue_ending(std::string_view line) {
+  try {
+    for (Action& action : encoder_.encode(line).actions) pending_.push_back(std::move(action));
+  } catch (const EncodeError& error) {
+    emit_(Message{error.what()});
   }
+}
+
+void PrintJob::queue_endings() {
+  state_ = State::ending;
+  for (const std::string& text : ending_lines_)
+    for (const std::string_view line : lines_of(text)) queue_ending(line);
   if (encoder_.build_started()) pending_.push_back(encoder_.build_end());
   if (pending_.empty()) finish(*outcome_);
 }

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace voidpath::fw::s3g {
@@ -56,8 +57,8 @@ class PrintJob {
 
   void pause(bool by_printer, const std::string& reason);
   void resume();
-  /// Stops what moves and is queued, then runs `lines`; `outcome` is emitted when they are queued. A second
-  /// call changes nothing.
+  /// Stops what moves and is queued, then runs `lines`, written as in a file; `outcome` is emitted when they
+  /// are queued. A second call changes nothing.
   void end(std::vector<std::string> lines, decltype(Event::what) outcome);
   /// Over at once, with that outcome.
   void drop(decltype(Event::what) outcome);
@@ -88,7 +89,8 @@ class PrintJob {
   void advance();
   void rested();
   void on_build(BuildState state);
-  void queue_ending();
+  void queue_endings();
+  void queue_ending(std::string_view line);
   void finish(decltype(Event::what) outcome);
 
   std::unique_ptr<LineSource> source_;

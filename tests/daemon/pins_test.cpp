@@ -117,7 +117,7 @@ TEST_CASE("a button that is stuck at the start confirms nothing, and none does w
 }
 
 TEST_CASE("M112 typed at the terminal stops as the button does, connected or not") {
-  const std::string line = GENERATE("M112", " m112 ; now");
+  const std::string line = GENERATE("M112", " m112 ; now", "M117 stop\nM112");
   PinRig rig;
   rig.connect();
   rig.print("a.stl");

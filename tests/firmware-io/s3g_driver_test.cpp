@@ -395,6 +395,8 @@ TEST_CASE("a command of the user's goes between the print's own", "[s3g]") {
   bench.driver.command("G5", bench.t);
   REQUIRE(bench.run_until([&] { return bench.mock.hotend().target() == 120; }, 30));
   CHECK(bench.said("not sent: G5"));
+  bench.driver.command("M104 S130\nM106 S0\r\n", bench.t);
+  REQUIRE(bench.run_until([&] { return bench.mock.hotend().target() == 130; }, 30));
 }
 
 TEST_CASE("a command that may have run twice is in the record", "[s3g]") {

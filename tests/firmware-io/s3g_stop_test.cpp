@@ -90,7 +90,7 @@ TEST_CASE("a cancel at the panel cancels", "[s3g]") {
 
 TEST_CASE("a cancel by the user stops at once, cools down, lifts", "[s3g]") {
   s3g::DriverOptions options;
-  options.cancel_gcode = {"G91", "G1 Z5 F600", "G90"};
+  options.cancel_gcode = {"G91\nG1 Z5 F600", "G90"};
   S3gBench bench(real_wire(), options);
   REQUIRE(bench.connect());
   bench.print(kStart + moves(300) + kEnd);
