@@ -18,6 +18,8 @@ constexpr double kToggleAgain_s = 2;
 constexpr double kRoomPoll_s = 0.01;
 constexpr double kRoomPollSlow_s = 0.1;
 constexpr int kEagerRoomPolls = 20;
+/// A dwell takes 72 minutes at the most, heating 30.
+constexpr double kLongestCommand_s = 2 * 3600;
 /// With so much room it is the wire that is narrow: then nothing is asked and packets are simply sent.
 constexpr std::uint32_t kPlenty = kQueueBytes / 2;
 
@@ -95,6 +97,7 @@ void Driver::take_outcomes(double t) {
         ++doubts_;
         emit(Message{"a reply was lost and its command may have run twice"});
       }
+      progress_t_ = t;
       if (act_by_job_ && job_) job_->on_accepted(*accepted);
     } else if (auto* no_room = std::get_if<NoRoom>(&*outcome)) {
       if (act_by_job_ && job_ && job_->stopping()) {
@@ -148,6 +151,8 @@ void Driver::pump(double t) {
     return;
   }
   if (phase_ != Phase::ready) return;
+  if (job_ && (job_->paused() || !job_->begun())) progress_t_ = t;
+  if (job_ && t >= progress_t_ + kLongestCommand_s) return halt("the printer is stuck at one command", t);
   if (link_.idle() || link_.draining()) schedule_polls(t);
   if (link_.draining()) pump_aside(t);
   while (link_.idle() && pump_ready(t)) {
@@ -288,7 +293,7 @@ void Driver::print(std::unique_ptr<LineSource> source, double t) {
     emit(PrintFailed{job_ ? "a print is already running" : "the printer is not connected"});
     return;
   }
-  stats_t_ = build_t_ = t;
+  stats_t_ = build_t_ = progress_t_ = t;
   before_print_ = link_stats();
   encoder_.restart();
   wants_paused_ = toggle_pending_ = seen_running_ = told_cancelled_ = false;

@@ -129,12 +129,14 @@ class Driver final : public Dialogue {
   bool connected_ = false;
   bool told_cancelled_ = false;  ///< by the printer, which says so as well before it owns up to dead heaters
   double poll_t_ = 0, build_t_ = 0, stats_t_ = 0, glance_t_ = 0;
+  double progress_t_ = 0;  ///< when a command was accepted or begun, or might not be
 
   bool wants_paused_ = false;  ///< the printer should stand still
   bool toggle_pending_ = false;
   bool build_known_ = false;  ///< asked since that was wanted
   double toggled_t_ = -1e9;
   BuildState build_ = BuildState::none;
+  std::uint32_t build_line_ = 0;
   bool seen_running_ = false;  ///< the firmware has known of this print
   int glance_step_ = 0;        ///< of the three queries that make a Glance
   Glance glance_;

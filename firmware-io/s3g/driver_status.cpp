@@ -2,6 +2,7 @@
 #include "firmware-io/s3g/driver.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace voidpath::fw::s3g {
 namespace {
@@ -211,6 +212,7 @@ void Driver::on_build(const Answer& answer, double t) {
     glance_step_ = 0;
     if (line == glance_.line) link_.account().check(glance_);
   }
+  if (std::exchange(build_line_, line) != line) progress_t_ = t;
   build_ = static_cast<BuildState>(little_endian(answer.data, 0, 1));
   build_known_ = true;
   if (!job_) return;

@@ -49,7 +49,7 @@ void Link::restart(double t) {
   outcome_.reset();
   action_.reset();
   step_ = Step::idle;
-  aside_ = owed_ = false;
+  aside_ = owed_ = running_ = unsure_ = false;
   failures_ = glances_ = 0;
   good_t_ = t;
 }
@@ -62,7 +62,6 @@ void Link::send(std::string_view payload, double t) {
   bytes_sent_ += packet_bytes_;
   due_t_ = t + timing_.reply_s;
   sent_t_ = t;
-  early_ = false;
 }
 
 void Link::ask(std::string payload, std::size_t answer_bytes, double t) {
@@ -95,11 +94,17 @@ void Link::act(Action action, double t) {
   in_doubt_ = false;
   good_t_ = std::max(good_t_, t);
   action_ = std::move(action);
+  begin_action(t);
+}
+
+void Link::begin_action(double t) {
+  if (unsure_) return send_query(Query::build, kBuildBytes, Why::cancel, t);
   send_action(t);
 }
 
 void Link::send_action(double t) {
   step_ = Step::acting;
+  why_ = Why::caller;
   send(action_->payload, t);
 }
 
@@ -155,19 +160,21 @@ void Link::received(std::string_view bytes, double t) {
   if (step_ == Step::insisting) due_t_ = std::min(t + timing_.quiet_s, insist_until_);
 }
 
-// A copy of the reply before.
-bool Link::too_early(const Packet& packet, double t) const {
+// A copy of the reply before. One that is none, and comes early, tells that the wire is faster than was said.
+bool Link::is_copy(const Packet& packet, double t) {
   if (!packet.good || owed_ || !times_tell_) return false;
-  const std::size_t bytes = packet_bytes_ + packet.payload.size() + kFrameBytes;
-  return t < sent_t_ + kFastestWire * timing_.byte_s * static_cast<double>(bytes);
+  const std::size_t size = packet.payload.size();
+  const auto bytes = static_cast<double>(packet_bytes_ + size + kFrameBytes);
+  if (t >= sent_t_ + kFastestWire * timing_.byte_s * bytes) return false;
+  const bool fits = step_ == Step::asking && (answer_bytes_ == 0 || size == answer_bytes_);
+  times_tell_ = !fits || failures_ > 0 || size <= 1 || size == last_bytes_;
+  return times_tell_;
 }
 
 void Link::on_packet(const Packet& packet, double t) {
   if (packet.good) good_t_ = t;
-  if (too_early(packet, t)) {
-    early_ = true;
-    return;
-  }
+  if (is_copy(packet, t)) return;
+  if (packet.good) last_bytes_ = packet.payload.size();
   if (step_ == Step::asking) {
     if (packet.good) {
       on_query_reply(packet.payload, t);
@@ -194,12 +201,29 @@ void Link::on_insisted(const Packet& packet, double t) {
   if (code == ReplyCode::ok || code == ReplyCode::heater_failure) done(Answer{query_, {}, code});
 }
 
+// A build cancelled long ago still says so.
+bool Link::notes_cancel(const std::string& data) {
+  if (query_ != Payload(Query::build).bytes() || data.empty()) return false;
+  const auto state = static_cast<BuildState>(data[0]);
+  const bool running = state == BuildState::running || state == BuildState::paused;
+  unsure_ = false;
+  return std::exchange(running_, running) && state == BuildState::cancelled;
+}
+
+// Of a cancel the firmware tells but once, in place of any reply, and obeys again after that.
+void Link::lost_reply() {
+  ++failures_;
+  unsure_ = running_;
+}
+
 void Link::on_query_reply(const std::string& payload, double t) {
   const ReplyCode code = reply_code(payload[0]);
   if (code == ReplyCode::ok && (answer_bytes_ == 0 || payload.size() == answer_bytes_)) {
     failures_ = 0;
     const std::string data = payload.substr(1);
+    const bool cancelled = notes_cancel(data);
     if (why_ == Why::caller) return done(Answer{query_, data, code});
+    if (cancelled) return done(Refused{*action_, ReplyCode::cancelled});
     return on_inner_answer(data, t);
   }
   // Of an earlier command, late.
@@ -235,7 +259,7 @@ void Link::on_action_reply(ReplyCode code, double t) {
 
 // A reply that is damaged, lost, or tells of a damaged packet.
 void Link::disturbed(double t) {
-  ++failures_;
+  lost_reply();
   step_ = Step::quiet;
   due_t_ = t + timing_.quiet_s;
 }
@@ -246,8 +270,7 @@ void Link::elapsed(double t) {
     case Step::asking:
     case Step::acting:
       reader_.clear();
-      if (early_) times_tell_ = false;
-      ++failures_;
+      lost_reply();
       return go_on(t);
     case Step::quiet:
       return go_on(t);
@@ -272,12 +295,15 @@ void Link::go_on(double t) {
     step_ = Step::asking;
     return send(query_, t);
   }
+  if (why_ == Why::cancel) return send_query(Query::build, kBuildBytes, Why::cancel, t);
   glances_ = 0;
   send_query(Query::build, kBuildBytes, Why::line_before, t);
 }
 
 void Link::on_inner_answer(const std::string& data, double t) {
   switch (why_) {
+    case Why::cancel:
+      return send_action(t);
     case Why::line_before:
       glance_.line = little_endian(data, 3, 4);
       return send_query(Query::free_buffer, 5, Why::free, t);
@@ -329,7 +355,7 @@ void Link::judge_position(const std::string& data, double t) {
 }
 
 void Link::settle(bool was_taken, double t) {
-  if (!was_taken) return send_action(t);
+  if (!was_taken) return begin_action(t);
   account_.accepted(action_->payload.size(), action_->kind == Action::Kind::move);
   done(Accepted{*action_, in_doubt_});
 }

@@ -101,18 +101,21 @@ class Link {
     drain_wait,  ///< until asking again whether all is done
     insisting
   };
-  enum class Why { caller, line_before, free, line_after, finished, position };
+  enum class Why { caller, cancel, line_before, free, line_after, finished, position };
 
   void send(std::string_view payload, double t);
   void send_query(Query query, std::size_t answer_bytes, Why why, double t);
+  void begin_action(double t);
   void send_action(double t);
   void on_packet(const Packet& packet, double t);
-  bool too_early(const Packet& packet, double t) const;
+  bool is_copy(const Packet& packet, double t);
+  bool notes_cancel(const std::string& data);
   void on_query_reply(const std::string& payload, double t);
   void on_action_reply(ReplyCode code, double t);
   void on_insisted(const Packet& packet, double t);
   void say_again(double t);
   void on_inner_answer(const std::string& data, double t);
+  void lost_reply();
   void disturbed(double t);
   void go_on(double t);
   void judge(const Glance& glance, double t);
@@ -138,15 +141,17 @@ class Link {
   double drain_t_ = 0;
   bool once_ = false;  ///< the caller's query must not be sent again
   bool in_doubt_ = false;
-  bool owed_ = false;  ///< a reply to what was under way when it became urgent
-  bool early_ = false;      ///< a reply has come too early
+  bool owed_ = false;       ///< a reply to what was under way when it became urgent
+  bool running_ = false;    ///< a build, when last asked
+  bool unsure_ = false;     ///< a reply that was lost may have told that the build was cancelled
   bool times_tell_ = true;  ///< the wire is as slow as it was said to be
-  int failures_ = 0;  ///< of the request under way, in a row
+  int failures_ = 0;        ///< of the request under way, in a row
   int glances_ = 0;
   Glance glance_;
   double due_t_ = 0, insist_until_ = 0, sent_t_ = 0;
   std::size_t packet_bytes_ = 0;  ///< of the one sent last
-  double good_t_ = 0;  ///< when the last undamaged reply came
+  std::size_t last_bytes_ = 0;    ///< of the good reply before
+  double good_t_ = 0;             ///< when the last undamaged reply came
   std::uint64_t packets_sent_ = 0, bytes_sent_ = 0, resends_ = 0;
 };
 
