@@ -145,6 +145,7 @@ class Link {
   bool running_ = false;    ///< a build, when last asked
   bool unsure_ = false;     ///< a reply that was lost may have told that the build was cancelled
   bool times_tell_ = true;  ///< the wire is as slow as it was said to be
+  std::string position_;    ///< answered last, where it fitted nothing
   int failures_ = 0;        ///< of the request under way, in a row
   int glances_ = 0;
   Glance glance_;

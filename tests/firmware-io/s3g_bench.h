@@ -88,6 +88,7 @@ class S3gBench {
   double longest_stall_s = 0;  ///< motors at rest for want of moves, while a print was being fed
   std::function<void()> each_step;
   std::function<void(const std::string&)> on_output;  ///< what the driver writes
+  std::function<void(const std::string&)> on_input;   ///< what it reads
 
  private:
   static fw::s3g::DriverOptions on_wire(fw::s3g::DriverOptions options, const mock::S3gOptions& printer) {
@@ -104,7 +105,10 @@ class S3gBench {
       mock.feed(std::exchange(output, {}));
     }
     std::string input = mock.take_output();
-    if (!input.empty()) driver.received(input, t);
+    if (!input.empty()) {
+      if (on_input) on_input(input);
+      driver.received(input, t);
+    }
     if (t >= driver.deadline()) driver.elapsed(t);
     if (each_step) each_step();
     if (!driver.output().empty()) return;

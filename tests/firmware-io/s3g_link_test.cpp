@@ -140,6 +140,41 @@ TEST_CASE("a command whose reply was lost is not said again in a build that was 
   CHECK(refused->code == ReplyCode::cancelled);
 }
 
+TEST_CASE("a place where the motors cannot stand is asked for twice before it counts", "[s3g]") {
+  for (const bool damaged : {true, false}) {
+    Rig rig;
+    Action push;
+    push.payload = Payload(Command::move).bytes();
+    push.kind = Action::Kind::move;
+    push.after.steps[kA] = 100;
+    rig.link.act(push, rig.t);
+    rig.lose_reply();
+    rig.answer(Rig::build_is(BuildState::running));
+    rig.answer(Rig::kOk + std::string("\0\2\0\0", 4));
+    rig.answer(Rig::build_is(BuildState::running));
+    rig.answer(Rig::kOk + "\1");
+    const std::string where = Payload(Query::position).bytes();
+    REQUIRE(rig.sent() == where);
+    const auto stands = [](char a) {
+      return Rig::kOk + std::string(12, '\0') + a + std::string(3 + 4 + 2, '\0');
+    };
+    rig.answer(stands(7));
+    REQUIRE(rig.sent() == where);
+    rig.answer(stands(damaged ? 100 : 7));
+    if (damaged) {
+      const auto accepted = rig.outcome<Accepted>();
+      REQUIRE(accepted);
+      CHECK_FALSE(accepted->in_doubt);
+    } else {
+      REQUIRE(rig.sent() == push.payload);
+      rig.answer(Rig::kOk);
+      const auto accepted = rig.outcome<Accepted>();
+      REQUIRE(accepted);
+      CHECK(accepted->in_doubt);
+    }
+  }
+}
+
 TEST_CASE("a build cancelled long ago stops no command", "[s3g]") {
   Rig rig;
   rig.run_build();

@@ -114,7 +114,7 @@ std::string judge(const Lines& executed, const Lines& want, bool finished) {
 
 }  // namespace
 
-SoakPrint s3g_soak_print(std::uint64_t seed) {
+SoakPrint s3g_soak_print(std::uint64_t seed, const SoakTrace& trace) {
   Dice dice(seed);
   SoakPrint print;
   print.what = std::to_string(seed) + " s3g:";
@@ -128,7 +128,16 @@ SoakPrint s3g_soak_print(std::uint64_t seed) {
   S3gBench bench(options);
   std::set<std::string> sent;
   fw::s3g::PacketReader reader;
+  const auto heard = [&](char who, const std::string& bytes) {
+    if (trace) trace(bench.t, who, fw::s3g::hex(bytes));
+  };
+  bench.on_input = [&](const std::string& bytes) { heard('<', bytes); };
+  bench.mock.on_payload([&](const std::string& payload) {
+    bench.executed.push_back(payload);
+    heard('=', payload);
+  });
   bench.on_output = [&](const std::string& bytes) {
+    heard('>', bytes);
     for (const char c : bytes)
       if (const auto packet = reader.take(c); packet && packet->good) sent.insert(packet->payload);
   };

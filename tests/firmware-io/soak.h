@@ -27,7 +27,8 @@ struct SoakPrint {
   std::uint64_t bytes_lost = 0;  ///< to a full receive buffer, or while the printer booted
 };
 
-/// Hears the whole dialogue: when, who ('>' the host, '<' the printer, '=' a line it took), what.
+/// Hears the whole dialogue: when, who ('>' the host, '<' the printer, '=' what it took), what; S3G's bytes in
+/// hexadecimal.
 using SoakTrace = std::function<void(double s, char who, std::string_view bytes)>;
 
 /// Prints it: a line each.
@@ -45,7 +46,7 @@ SoakPrint play(const mock::Options& options, std::vector<std::string> file, cons
 /// A print, a printer and its faults, drawn by the seed.
 SoakPrint soak_print(std::uint64_t seed, const SoakTrace& trace = {});
 /// The same of a MakerBot over S3G.
-SoakPrint s3g_soak_print(std::uint64_t seed);
+SoakPrint s3g_soak_print(std::uint64_t seed, const SoakTrace& trace = {});
 /// Only flipped bytes, both ways, one in 10 kB, on a Marlin at 115200.
 SoakPrint noisy_print(std::uint64_t seed, const SoakTrace& trace = {});
 

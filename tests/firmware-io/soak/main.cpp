@@ -1,5 +1,5 @@
 // Prints through every fault the mock knows, by the thousand: soak [s3g] [COUNT [FIRST_SEED]]; one of them
-// with its whole dialogue: soak show|noisy SEED.
+// with its whole dialogue: soak [s3g] show SEED, soak noisy SEED.
 #include "tests/firmware-io/soak.h"
 
 #include <cstdio>
@@ -17,15 +17,16 @@ constexpr std::size_t kFew = 20;
 
 int main(int argc, char** argv) {
   using namespace voidpath::test;
+  const bool s3g = argc > 1 && std::string(argv[1]) == "s3g";
+  if (s3g) --argc, ++argv;
   if (const std::string verb = argc > 2 ? argv[1] : ""; verb == "show" || verb == "noisy") {
     const std::uint64_t seed = std::strtoull(argv[2], nullptr, 10);
-    const SoakPrint print =
-        verb == "show" ? soak_print(seed, show_dialogue) : noisy_print(seed, show_dialogue);
+    const SoakPrint print = s3g              ? s3g_soak_print(seed, show_dialogue)
+                            : verb == "show" ? soak_print(seed, show_dialogue)
+                                             : noisy_print(seed, show_dialogue);
     std::printf("%s / %s / %s\n", print.what.c_str(), print.violation.c_str(), print.reason.c_str());
     return print.violation.empty() ? 0 : 1;
   }
-  const bool s3g = argc > 1 && std::string(argv[1]) == "s3g";
-  if (s3g) --argc, ++argv;
   const std::uint64_t count = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 10000;
   const std::uint64_t first = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
   std::uint64_t finished = 0, paused = 0, violations = 0, invisible = 0, noticed = 0, resends = 0;
