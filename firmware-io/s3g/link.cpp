@@ -118,7 +118,7 @@ void Link::insist(std::string payload, double t) {
   query_ = std::move(payload);
   action_.reset();
   outcome_.reset();
-  insist_until_ = t + timing_.insist_s;
+  patient_until_ = t + timing_.insist_s;
   say_again(t);
 }
 
@@ -156,8 +156,8 @@ void Link::received(std::string_view bytes, double t) {
       on_packet(*packet, t);
     }
   }
-  if (step_ == Step::quiet) due_t_ = t + timing_.quiet_s;
-  if (step_ == Step::insisting) due_t_ = std::min(t + timing_.quiet_s, insist_until_);
+  if (step_ == Step::quiet || step_ == Step::insisting)
+    due_t_ = std::min(t + timing_.quiet_s, patient_until_);
 }
 
 // A copy of the reply before. One that is none, and comes early, tells that the wire is faster than was said.
@@ -261,6 +261,7 @@ void Link::on_action_reply(ReplyCode code, double t) {
 void Link::disturbed(double t) {
   lost_reply();
   step_ = Step::quiet;
+  patient_until_ = t + timing_.silence_s;
   due_t_ = t + timing_.quiet_s;
 }
 
@@ -278,7 +279,7 @@ void Link::elapsed(double t) {
       return drain(t);
     case Step::insisting:
       reader_.clear();
-      if (t >= insist_until_) return done(Dead{"the printer does not hear the abort"});
+      if (t >= patient_until_) return done(Dead{"the printer does not hear the abort"});
       return say_again(t);
     case Step::idle:
       return;

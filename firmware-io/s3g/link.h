@@ -149,7 +149,8 @@ class Link {
   int failures_ = 0;        ///< of the request under way, in a row
   int glances_ = 0;
   Glance glance_;
-  double due_t_ = 0, insist_until_ = 0, sent_t_ = 0;
+  double due_t_ = 0, sent_t_ = 0;
+  double patient_until_ = 0;      ///< quiet is waited for, or an abort said again
   std::size_t packet_bytes_ = 0;  ///< of the one sent last
   std::size_t last_bytes_ = 0;    ///< of the good reply before
   double good_t_ = 0;             ///< when the last undamaged reply came

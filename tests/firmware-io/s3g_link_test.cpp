@@ -140,6 +140,18 @@ TEST_CASE("a command whose reply was lost is not said again in a build that was 
   CHECK(refused->code == ReplyCode::cancelled);
 }
 
+TEST_CASE("who babbles and answers nothing is given up in time", "[s3g]") {
+  Rig rig;
+  rig.link.ask(Rig::kFree, 5, rig.t);
+  rig.link.received(frame("\x83"), rig.t);
+  while (!rig.outcome<Dead>()) {
+    rig.t += 0.01;
+    REQUIRE(rig.t < 11);
+    if (rig.t >= rig.link.deadline()) rig.link.elapsed(rig.t);
+    rig.link.received("?", rig.t);
+  }
+}
+
 TEST_CASE("a place where the motors cannot stand is asked for twice before it counts", "[s3g]") {
   for (const bool damaged : {true, false}) {
     Rig rig;
