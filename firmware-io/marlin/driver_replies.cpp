@@ -38,7 +38,7 @@ void Driver::dispatch_ready(const Reply& reply, double t) {
     drop_finished_job();
   } else if (const auto* report = std::get_if<TemperatureReport>(&reply)) {
     // One that reports unasked only while it waits for a temperature, as Klipper, does not say that it waits.
-    if (report->waiting || (job_ && job_->heating() && !reports_by_itself())) link_.note_progress(t);
+    if (report->waiting || (job_ && job_->heating() && !reports_by_itself())) link_.note_heating(t);
     note_sensors(report->sensors);
     // Repetier's M105 says ok first and the temperatures on a line of their own.
     if (!report->waiting && !reports_by_itself()) {

@@ -92,6 +92,13 @@ class Link {
   void note_progress(double t) { progress_t_ = t, held_ = false; }
   /// Waits for a person: no timers until it goes on.
   void hold() { held_ = true; }
+  /// Waits for a temperature, perhaps because the person was away for long. Who says no `busy` does not say
+  /// either that the person is waited for again.
+  void note_heating(double t) {
+    const bool held = held_ && !busy_seen_;
+    note_progress(t);
+    held_ = held;
+  }
   /// The firmware says `busy` by itself.
   void note_busy(double t) {
     busy_seen_ = true;

@@ -259,6 +259,42 @@ TEST_CASE("a person's pause at the printer stops the timers", "[driver]") {
   CHECK(bench.count<PrintFinished>() == 1);
 }
 
+TEST_CASE("a change of filament that a mute printer began is waited for, also when it has to heat again",
+          "[driver]") {
+  const bool reheats = GENERATE(false, true);
+  CAPTURE(reheats);
+  DriverBench bench({.autoreport = false});
+  bench.says_busy = false;
+  REQUIRE(bench.run_until([&] { return bench.count<Connected>() > 0; }));
+  bench.run_for(1);
+  const Lines file = moves(60);
+  bench.print(file);
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() >= 10; }));
+  // The sensor says so while a move runs, whose ok still comes; then the firmware's own M600 stands before
+  // the file's next line.
+  const int done = bench.count<LineDone>();
+  bench.firmware.replies.push_back("//action:paused filament_runout 0");
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() > done; }));
+  const double began = bench.t;
+  bench.duration = [](const std::string&) { return 2000.0; };
+  bench.firmware.replies.push_back("//action:paused");
+  bench.run_for(600);
+  while (reheats && bench.t < began + 660) {
+    bench.firmware.replies.push_back(" T:150.00 /200.00 B:60.00 /60.00 @:127 B@:0 W:?");
+    bench.run_for(1);
+  }
+  bench.run_for(began + 1990 - bench.t);
+  CHECK_FALSE(over(bench));
+  CHECK(bench.count<Resumed>() == 0);
+  bench.duration = [](const std::string&) { return 0.01; };
+  bench.firmware.replies.push_back("//action:resumed");
+  REQUIRE(bench.run_until([&] { return over(bench); }, 100));
+  CHECK(bench.count<PrintFinished>() == 1);
+  CHECK(bench.count<Paused>() == 1);
+  CHECK(bench.count<Resumed>() == 1);
+  CHECK(bench.printed() == file + Lines{"M400"});
+}
+
 TEST_CASE("a boot whose start was not heard ends the print", "[driver]") {
   DriverBench bench;
   REQUIRE(bench.connect());
