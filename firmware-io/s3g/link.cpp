@@ -205,7 +205,8 @@ void Link::on_insisted(const Packet& packet, double t) {
 bool Link::notes_cancel(const std::string& data) {
   if (query_ != Payload(Query::build).bytes() || data.empty()) return false;
   const auto state = static_cast<BuildState>(data[0]);
-  const bool running = state == BuildState::running || state == BuildState::paused;
+  const bool running =
+      state == BuildState::running || state == BuildState::paused || state == BuildState::cancelling;
   unsure_ = false;
   return std::exchange(running_, running) && state == BuildState::cancelled;
 }

@@ -102,7 +102,7 @@ enum class BuildState : std::uint8_t {
   done = 2,
   paused = 3,
   cancelled = 4,
-  sleeping = 5
+  cancelling = 5
 };
 
 /// Bits in the reply to Query::board_status.

@@ -187,6 +187,20 @@ TEST_CASE("a place where the motors cannot stand is asked for twice before it co
   }
 }
 
+TEST_CASE("a cancel takes its time, and its only word may be lost then", "[s3g]") {
+  Rig rig;
+  rig.run_build();
+  rig.link.ask(Rig::kBuild, 12, rig.t);
+  rig.answer(Rig::build_is(BuildState::cancelling));
+  REQUIRE(rig.outcome<Answer>());
+  rig.sent();
+  rig.link.act(fan(), rig.t);
+  rig.lose_reply();
+  REQUIRE(rig.sent() == Rig::kBuild);
+  rig.answer(Rig::build_is(BuildState::cancelled));
+  CHECK(rig.outcome<Refused>());
+}
+
 TEST_CASE("a build cancelled long ago stops no command", "[s3g]") {
   Rig rig;
   rig.run_build();

@@ -12,6 +12,8 @@ constexpr HeaterGuard kBedGuard{60, 2, 20, 2};
 /// A packet that does not go on for so long is given up, s.
 constexpr double kPacketTimeout = 0.2;
 constexpr std::size_t kLongestPacket = 32;
+/// A cancelled build is at rest after so long, s.
+constexpr double kHeadLeaves_s = 2;
 /// So much later than its original a doubled reply sets out, s: the next packet is under way then.
 constexpr double kCopyDelay = 0.0004;
 constexpr double kBitsPerByte = 10;  ///< 8N1
@@ -61,7 +63,7 @@ void MockS3g::reset() {
   position_ = {};
   motion_.set_position(position_mm());
   motion_.align_steps();
-  silent_until_ = busy_until_ = resume_at_ = -1;
+  silent_until_ = busy_until_ = resume_at_ = cancelled_at_ = -1;
   slow_commands_ = 0;
   boot_until_ = now_ + options_.boot_s;
   next_second_ = boot_until_ + 1;
@@ -236,10 +238,12 @@ void MockS3g::answer_query(const std::string& payload) {
     case 17: {
       ++aborts_;
       reply(ok);
-      // One that is paused counts it as a cancel, of which it tells as well.
-      const bool was_paused = paused_;
+      // One that is paused counts it as a cancel, of which it tells as well; one that runs begins a cancel
+      // and never ends it. Other builds are remembered.
+      const unsigned build = build_;
       reset();
-      cancel_note_ = was_paused;
+      cancel_note_ = build == 3;
+      build_ = build == 3 ? 4 : build == 1 ? 5 : build;
       return;
     }
     case 8:
@@ -273,7 +277,7 @@ void MockS3g::answer_query(const std::string& payload) {
       return reply(ok + byte(0));
     }
     case 23:
-      return reply(ok + byte(heat_shutdown_ ? 0x40 : 0));
+      return reply(ok + byte(heat_shutdown_ ? 0x40 : cancelled_at_ >= 0 ? 0x20 : 0));
     case 24:
       return reply(ok + byte(build_) + byte(0) + byte(0) + number(options_.counts_lines ? line_ : 0, 4) +
                    number(0, 4));
@@ -367,6 +371,7 @@ void MockS3g::press_pause() {
 
 // ...the host may send it at any time, and is obeyed.
 void MockS3g::toggle_pause() {
+  if (cancelled_at_ >= 0) return;
   paused_ = !paused_;
   build_ = paused_ ? 3 : 1;
 }
@@ -376,9 +381,21 @@ void MockS3g::shut_heaters_down() {
   heat_shutdown_ = cancel_note_ = true;
 }
 
+/// What runs is first paused, until the head has left the part. What the host sends meanwhile is accepted,
+/// and forgotten with the rest.
 void MockS3g::cancel_at_panel() {
+  if (cancelled_at_ >= 0) return;
+  if (build_ != 1) return end_cancel();
+  motion_.quick_stop(now_);
+  paused_ = true;
+  build_ = 5;
+  cancelled_at_ = now_ + kHeadLeaves_s;
+}
+
+void MockS3g::end_cancel() {
   stop_all();
   paused_ = false;
+  cancelled_at_ = -1;
   build_ = 4;
   cancel_note_ = true;
 }
@@ -393,6 +410,7 @@ double MockS3g::next_event() const {
   const bool runs = !paused_ && !heat_shutdown_ && now_ >= boot_until_ && now_ >= silent_until_;
   if (until_ >= 0 && runs) next = std::min(next, until_);
   if (resume_at_ >= 0) next = std::min(next, resume_at_);
+  if (cancelled_at_ >= 0) next = std::min(next, cancelled_at_);
   if (card_ && busy_until_ > now_) next = std::min(next, busy_until_);
   bool heats = bed_.heater().target() > 0;
   for (const GuardedHeater& hotend : hotends_) heats = heats || hotend.heater().target() > 0;
@@ -416,6 +434,7 @@ void MockS3g::fire_due() {
   while (!wire_in_.empty() && wire_in_.next() <= now_) receive(wire_in_.pop());
   for (const Fault& fault : faults_.at_time(now_)) apply(fault);
   motion_.update(now_);
+  if (cancelled_at_ >= 0 && now_ >= cancelled_at_) end_cancel();
   if (resume_at_ >= 0 && now_ >= resume_at_) {
     resume_at_ = -1;
     if (paused_) press_pause();

@@ -63,6 +63,7 @@ class MockS3g final : public Firmware {
 
   // mock_s3g.cpp: the wire, packets and queries
   void fire_due();
+  void end_cancel();
   void receive(char byte);
   void packet_byte(char byte);
   void refuse_packet(unsigned code);
@@ -125,6 +126,7 @@ class MockS3g final : public Firmware {
   unsigned build_ = 0;
   bool paused_ = false, cancel_note_ = false, heat_shutdown_ = false, card_ = false;
   double boot_until_ = 0, silent_until_ = -1, busy_until_ = -1, resume_at_ = -1, next_second_ = 1;
+  double cancelled_at_ = -1;  ///< by when the head has left the part
   double slow_s_ = 0;
   std::uint64_t slow_commands_ = 0;
   std::optional<double> unplug_;

@@ -132,3 +132,31 @@ TEST_CASE("a cancel at the panel is told once, instead of the next reply", "[s3g
   CHECK(say(printer, {0xD5, 1, 2, 0xBC}) == packet(bytes({0x89})));
   CHECK(say(printer, {0xD5, 1, 2, 0xBC}).size() == 8);
 }
+
+TEST_CASE("a cancelled build stands still at once, is over when the head has left, and stays cancelled",
+          "[s3g]") {
+  MockS3g printer;
+  const std::string build = bytes({153, 0, 0, 0, 0, 'a', 0}), stats = packet(bytes({24}));
+  const auto state = [&] {
+    printer.feed(stats);
+    return static_cast<int>(printer.take_output().at(3));
+  };
+  printer.feed(packet(build));
+  CHECK(printer.take_output() == kOk);
+  REQUIRE(state() == 1);
+  printer.cancel_at_panel();
+  CHECK(state() == 5);
+  printer.feed(packet(bytes({150, 6, 0})));
+  CHECK(printer.take_output() == kOk);
+  CHECK(printer.queued_bytes() == 3);
+  printer.advance_to(printer.now() + 5);
+  CHECK(printer.queued_bytes() == 0);
+  CHECK(say(printer, {0xD5, 1, 2, 0xBC}) == packet(bytes({0x89})));
+  CHECK(state() == 4);
+  printer.feed(packet(build));
+  printer.take_output();
+  REQUIRE(state() == 1);
+  printer.feed(packet(bytes({7})));
+  CHECK(printer.take_output() == kOk);
+  CHECK(state() == 5);
+}
