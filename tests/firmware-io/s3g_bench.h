@@ -48,6 +48,11 @@ class S3gBench {
   bool over() const {
     return count<fw::PrintFinished>() + count<fw::PrintFailed>() + count<fw::PrintCancelled>() > 0;
   }
+  /// Until more than so many commands are done.
+  bool print_into(std::vector<std::string> lines, std::size_t done) {
+    print(std::move(lines));
+    return run_until([&] { return executed.size() > done; });
+  }
   bool print_through(std::vector<std::string> lines, double seconds = 7200) {
     print(std::move(lines));
     return run_until([&] { return over(); }, seconds);

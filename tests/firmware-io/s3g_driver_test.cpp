@@ -114,8 +114,7 @@ TEST_CASE("short moves go out at the speed of the wire", "[s3g]") {
   S3gBench bench(real_wire());
   REQUIRE(bench.connect());
   const Lines file = Lines{"G92 X0 Y0 Z0", "M83"} + short_moves(5000);
-  bench.print(file);
-  REQUIRE(bench.run_until([&] { return bench.executed.size() > 100; }));
+  REQUIRE(bench.print_into(file, 100));
   const double begun = bench.t;
   const std::size_t before = bench.executed.size();
   REQUIRE(bench.run_until([&] { return bench.executed.size() > 4900; }));
@@ -186,53 +185,6 @@ TEST_CASE("every fault of the wire: each command exactly once, in order", "[s3g]
   }
 }
 
-TEST_CASE("a pause by the user stands still and goes on", "[s3g]") {
-  S3gBench bench(real_wire());
-  REQUIRE(bench.connect());
-  const Lines file = kStart + moves(200) + kEnd;
-  bench.print(file);
-  REQUIRE(bench.run_until([&] { return bench.executed.size() > 60; }));
-  bench.driver.pause();
-  REQUIRE(bench.run_until([&] { return bench.mock.paused(); }, 5));
-  const std::size_t before = bench.executed.size();
-  bench.run_for(60);
-  CHECK(bench.executed.size() == before);
-  CHECK(bench.count<Paused>() == 1);
-  bench.driver.resume(bench.t);
-  REQUIRE(bench.run_until([&] { return bench.over(); }));
-  CHECK(bench.count<Resumed>() == 1);
-  check_executed(bench, file);
-}
-
-TEST_CASE("a pause at the panel, an hour long, is followed and costs nothing", "[s3g]") {
-  S3gBench bench(real_wire());
-  REQUIRE(bench.connect());
-  const Lines file = kStart + moves(200) + kEnd;
-  bench.print(file);
-  REQUIRE(bench.run_until([&] { return bench.executed.size() > 60; }));
-  bench.mock.press_pause();
-  bench.run_for(3600);
-  REQUIRE(bench.count<Paused>() == 1);
-  CHECK(std::get<Paused>(bench.first<Paused>()->what).by_printer);
-  bench.mock.press_pause();
-  REQUIRE(bench.run_until([&] { return bench.over(); }));
-  CHECK(bench.count<Resumed>() == 1);
-  check_executed(bench, file);
-}
-
-TEST_CASE("M0 pauses until the user goes on", "[s3g]") {
-  S3gBench bench(real_wire());
-  REQUIRE(bench.connect());
-  const Lines file = kStart + moves(20) + Lines{"M0"} + moves(20) + kEnd;
-  bench.print(file);
-  REQUIRE(bench.run_until([&] { return bench.count<Paused>() == 1; }));
-  bench.run_for(100);
-  CHECK_FALSE(bench.over());
-  bench.driver.resume(bench.t);
-  REQUIRE(bench.run_until([&] { return bench.over(); }));
-  check_executed(bench, file);
-}
-
 TEST_CASE("heaters shut down with nothing left to send are noticed before the print counts as finished",
           "[s3g]") {
   S3gBench bench(real_wire());
@@ -262,13 +214,8 @@ TEST_CASE("a tool that is not there does not end the session", "[s3g]") {
 }
 
 TEST_CASE("a heater that fails ends the print with that reason", "[s3g]") {
-  mock::S3gOptions o = real_wire();
-  mock::Fault fault;
-  fault.kind = mock::FaultKind::kDeadHeater;
-  fault.trigger = mock::FaultTrigger::kTime;
-  fault.at = 20;
-  o.faults = {fault};
-  S3gBench bench(o);
+  S3gBench bench(
+      real_wire({{.kind = mock::FaultKind::kDeadHeater, .at = 20, .trigger = mock::FaultTrigger::kTime}}));
   REQUIRE(bench.connect());
   REQUIRE(bench.print_through(kStart + moves(3000) + kEnd));
   CHECK_THAT(bench.failure(), Catch::Contains("heater"));
@@ -278,8 +225,7 @@ TEST_CASE("heaters shut down at any moment fail the print, and nobody takes it f
   for (int i = 0; i < 30; ++i) {
     S3gBench bench(real_wire());
     REQUIRE(bench.connect());
-    bench.print(kStart + moves(300) + kEnd);
-    REQUIRE(bench.run_until([&] { return bench.executed.size() > 100; }));
+    REQUIRE(bench.print_into(kStart + moves(300) + kEnd, 100));
     bench.run_for(i * 0.0013);
     bench.mock.shut_heaters_down();
     REQUIRE(bench.run_until([&] { return bench.over(); }, 5));
@@ -310,14 +256,8 @@ TEST_CASE("a printer with its heaters shut down answers nothing else, and the lo
 }
 
 TEST_CASE("a printer that prints from its card refuses, and says so", "[s3g]") {
-  mock::S3gOptions o = real_wire();
-  mock::Fault fault;
-  fault.kind = mock::FaultKind::kBusy;
-  fault.trigger = mock::FaultTrigger::kTime;
-  fault.at = 1;
-  fault.seconds = 100;
-  o.faults = {fault};
-  S3gBench bench(o);
+  S3gBench bench(real_wire(
+      {{.kind = mock::FaultKind::kBusy, .at = 1, .trigger = mock::FaultTrigger::kTime, .seconds = 100}}));
   REQUIRE(bench.connect());
   bench.run_for(2);
   REQUIRE(bench.print_through(kStart));
@@ -327,8 +267,7 @@ TEST_CASE("a printer that prints from its card refuses, and says so", "[s3g]") {
 TEST_CASE("a restart in mid-print fails the print", "[s3g]") {
   S3gBench bench(real_wire());
   REQUIRE(bench.connect());
-  bench.print(kStart + moves(300));
-  REQUIRE(bench.run_until([&] { return bench.executed.size() > 100; }));
+  REQUIRE(bench.print_into(kStart + moves(300), 100));
   bench.mock.reset();
   REQUIRE(bench.run_until([&] { return bench.over(); }, 10));
   CHECK_THAT(bench.failure(), Catch::Contains("restarted"));
@@ -354,14 +293,8 @@ TEST_CASE("a restart near a print's end, where nothing more may be polled, fails
 }
 
 TEST_CASE("silence in mid-print ends it with a reason", "[s3g]") {
-  mock::S3gOptions o = real_wire();
-  mock::Fault fault;
-  fault.kind = mock::FaultKind::kSilence;
-  fault.trigger = mock::FaultTrigger::kTime;
-  fault.at = 60;
-  fault.seconds = 1e6;
-  o.faults = {fault};
-  S3gBench bench(o);
+  S3gBench bench(real_wire(
+      {{.kind = mock::FaultKind::kSilence, .at = 60, .trigger = mock::FaultTrigger::kTime, .seconds = 1e6}}));
   REQUIRE(bench.connect());
   REQUIRE(bench.print_through(kStart + moves(3000)));
   CHECK_THAT(bench.failure(), Catch::Contains("no longer answers"));
@@ -370,14 +303,8 @@ TEST_CASE("silence in mid-print ends it with a reason", "[s3g]") {
 }
 
 TEST_CASE("a short silence is waited out", "[s3g]") {
-  mock::S3gOptions o = real_wire();
-  mock::Fault fault;
-  fault.kind = mock::FaultKind::kSilence;
-  fault.trigger = mock::FaultTrigger::kTime;
-  fault.at = 60;
-  fault.seconds = 5;
-  o.faults = {fault};
-  S3gBench bench(o);
+  S3gBench bench(real_wire(
+      {{.kind = mock::FaultKind::kSilence, .at = 60, .trigger = mock::FaultTrigger::kTime, .seconds = 5}}));
   REQUIRE(bench.connect());
   const Lines file = kStart + moves(200) + kEnd;
   REQUIRE(bench.print_through(file));
@@ -414,8 +341,7 @@ TEST_CASE("temperatures are told while idle, heating and printing", "[s3g]") {
 TEST_CASE("a command of the user's goes between the print's own", "[s3g]") {
   S3gBench bench(real_wire());
   REQUIRE(bench.connect());
-  bench.print(kStart + moves(100) + kEnd);
-  REQUIRE(bench.run_until([&] { return bench.executed.size() > 60; }));
+  REQUIRE(bench.print_into(kStart + moves(100) + kEnd, 60));
   bench.driver.command("M104 S120", bench.t);
   bench.driver.command("G5", bench.t);
   REQUIRE(bench.run_until([&] { return bench.mock.hotend().target() == 120; }, 30));
@@ -426,14 +352,10 @@ TEST_CASE("a command of the user's goes between the print's own", "[s3g]") {
 
 TEST_CASE("a command that may have run twice is in the record", "[s3g]") {
   const auto doubts = [](const std::string& line, bool tells_position) {
-    mock::S3gOptions o = real_wire();
+    mock::S3gOptions o =
+        real_wire({{.kind = mock::FaultKind::kLoseOk, .at = 40, .trigger = mock::FaultTrigger::kOk}});
     o.counts_lines = false;
     o.tells_position = tells_position;
-    mock::Fault fault;
-    fault.kind = mock::FaultKind::kLoseOk;
-    fault.trigger = mock::FaultTrigger::kOk;
-    fault.at = 40;
-    o.faults = {fault};
     S3gBench bench(o);
     REQUIRE(bench.connect());
     REQUIRE(bench.print_through(Lines{"M136", "G92 X0 Y0 Z0", "M83"} + Lines(80, line)));

@@ -7,19 +7,63 @@ using namespace voidpath::test;
 
 namespace {
 
-/// Everything has been sent, the printer is still at it.
-bool tail_drains(const S3gBench& bench, const Lines& file) {
-  return bench.count<LineDone>() == static_cast<int>(file.size()) && bench.mock.queued_bytes() > 0;
+/// Until everything has been sent and the printer is still at it.
+bool print_to_tail(S3gBench& bench, const Lines& file) {
+  bench.print(file);
+  return bench.run_until([&] {
+    return bench.count<LineDone>() == static_cast<int>(file.size()) && bench.mock.queued_bytes() > 0;
+  });
+}
+
+/// Having been paused once.
+void check_goes_on_to_the_end(S3gBench& bench, const Lines& file) {
+  REQUIRE(bench.run_until([&] { return bench.over(); }));
+  CHECK(bench.count<Paused>() == 1);
+  CHECK(bench.count<Resumed>() == 1);
+  CHECK(bench.count<PrintFinished>() == 1);
+  CHECK_FALSE(bench.mock.paused());
+  check_executed(bench, file);
+}
+
+void check_pause_at_panel(S3gBench& bench, const Lines& file, double seconds) {
+  bench.mock.press_pause();
+  bench.run_for(seconds);
+  REQUIRE(bench.count<Paused>() == 1);
+  CHECK(std::get<Paused>(bench.first<Paused>()->what).by_printer);
+  bench.mock.press_pause();
+  check_goes_on_to_the_end(bench, file);
 }
 
 }  // namespace
+
+TEST_CASE("a pause by the user stands still and goes on", "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  const Lines file = kStart + moves(200) + kEnd;
+  REQUIRE(bench.print_into(file, 60));
+  bench.driver.pause();
+  REQUIRE(bench.run_until([&] { return bench.mock.paused(); }, 5));
+  const std::size_t before = bench.executed.size();
+  bench.run_for(60);
+  CHECK(bench.executed.size() == before);
+  CHECK(bench.count<Paused>() == 1);
+  bench.driver.resume(bench.t);
+  check_goes_on_to_the_end(bench, file);
+}
+
+TEST_CASE("a pause at the panel, an hour long, is followed and costs nothing", "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  const Lines file = kStart + moves(200) + kEnd;
+  REQUIRE(bench.print_into(file, 60));
+  check_pause_at_panel(bench, file, 3600);
+}
 
 TEST_CASE("a pause while the last moves drain stands still, goes on and comes to an end", "[s3g]") {
   S3gBench bench(real_wire());
   REQUIRE(bench.connect());
   const Lines file = kStart + moves(60);
-  bench.print(file);
-  REQUIRE(bench.run_until([&] { return tail_drains(bench, file); }));
+  REQUIRE(print_to_tail(bench, file));
   bench.driver.pause();
   REQUIRE(bench.run_until([&] { return bench.mock.paused(); }, 5));
   const std::size_t before = bench.executed.size();
@@ -28,46 +72,28 @@ TEST_CASE("a pause while the last moves drain stands still, goes on and comes to
   CHECK_FALSE(bench.over());
   CHECK(bench.count<Paused>() == 1);
   bench.driver.resume(bench.t);
-  REQUIRE(bench.run_until([&] { return bench.over(); }, 60));
-  CHECK(bench.count<Paused>() == 1);
-  CHECK(bench.count<Resumed>() == 1);
-  CHECK(bench.count<PrintFinished>() == 1);
-  check_executed(bench, file);
+  check_goes_on_to_the_end(bench, file);
 }
 
 TEST_CASE("a pause when all moves are done and only the end is to be told does not end the print", "[s3g]") {
   S3gBench bench(real_wire());
   REQUIRE(bench.connect());
   const Lines file = kStart + moves(60);
-  bench.print(file);
-  REQUIRE(bench.run_until([&] { return tail_drains(bench, file); }));
+  REQUIRE(print_to_tail(bench, file));
   REQUIRE(bench.run_until([&] { return bench.mock.drained() && bench.mock.queued_bytes() == 0; }, 60));
   bench.driver.pause();
   bench.run_for(10);
   CHECK_FALSE(bench.over());
   bench.driver.resume(bench.t);
-  REQUIRE(bench.run_until([&] { return bench.over(); }, 60));
-  CHECK(bench.count<Paused>() == 1);
-  CHECK(bench.count<Resumed>() == 1);
-  CHECK(bench.count<PrintFinished>() == 1);
-  CHECK_FALSE(bench.mock.paused());
+  check_goes_on_to_the_end(bench, file);
 }
 
 TEST_CASE("a pause at the panel while the last moves drain is told", "[s3g]") {
   S3gBench bench(real_wire());
   REQUIRE(bench.connect());
   const Lines file = kStart + moves(60);
-  bench.print(file);
-  REQUIRE(bench.run_until([&] { return tail_drains(bench, file); }));
-  bench.mock.press_pause();
-  bench.run_for(60);
-  REQUIRE(bench.count<Paused>() == 1);
-  CHECK(std::get<Paused>(bench.first<Paused>()->what).by_printer);
-  bench.mock.press_pause();
-  REQUIRE(bench.run_until([&] { return bench.over(); }, 60));
-  CHECK(bench.count<Resumed>() == 1);
-  CHECK(bench.count<PrintFinished>() == 1);
-  check_executed(bench, file);
+  REQUIRE(print_to_tail(bench, file));
+  check_pause_at_panel(bench, file, 60);
 }
 
 TEST_CASE("a pause before the first line has gone out can be ended", "[s3g]") {
@@ -85,11 +111,7 @@ TEST_CASE("a pause before the first line has gone out can be ended", "[s3g]") {
     CHECK(bench.count<Paused>() == 1);
     CHECK(bench.executed.size() < kStart.size());
     bench.driver.resume(bench.t);
-    REQUIRE(bench.run_until([&] { return bench.over(); }));
-    CHECK(bench.count<Paused>() == 1);
-    CHECK(bench.count<Resumed>() == 1);
-    CHECK(bench.count<PrintFinished>() == 1);
-    check_executed(bench, file);
+    check_goes_on_to_the_end(bench, file);
   }
 }
 
@@ -203,8 +225,7 @@ TEST_CASE("a pause by the user just before M0 does not take its place", "[s3g]")
 TEST_CASE("a pause that waits its turn ends with its print", "[s3g]") {
   S3gBench bench(real_wire());
   REQUIRE(bench.connect());
-  bench.print(kStart + moves(300) + kEnd);
-  REQUIRE(bench.run_until([&] { return bench.executed.size() > 60; }));
+  REQUIRE(bench.print_into(kStart + moves(300) + kEnd, 60));
   const double begun = bench.t;
   const auto at = [&](double seconds) { bench.run_for(begun + seconds - bench.t); };
   bench.driver.pause();
@@ -219,21 +240,14 @@ TEST_CASE("a pause that waits its turn ends with its print", "[s3g]") {
   REQUIRE(bench.run_until([&] { return bench.over(); }, 5));
   bench.run_for(30);
   CHECK_FALSE(bench.mock.paused());
-  bench.forget_events();
-  bench.executed.clear();
-  const Lines file = kStart + moves(20) + kEnd;
-  REQUIRE(bench.print_through(file));
-  CHECK(bench.count<PrintFinished>() == 1);
-  CHECK(bench.count<Paused>() == 0);
-  check_executed(bench, file);
+  check_next_print(bench);
 }
 
 TEST_CASE("a cancel at any moment of a pause leaves no printer paused", "[s3g]") {
   for (const double after_s : {0.0, 0.001, 0.003, 0.005, 0.01, 0.02, 0.5, 2.5}) {
     S3gBench bench(real_wire());
     REQUIRE(bench.connect());
-    bench.print(kStart + moves(300) + kEnd);
-    REQUIRE(bench.run_until([&] { return bench.executed.size() > 60; }));
+    REQUIRE(bench.print_into(kStart + moves(300) + kEnd, 60));
     bench.driver.pause();
     if (after_s > 0) bench.run_for(after_s);
     bench.driver.cancel("user", bench.t);
@@ -243,9 +257,7 @@ TEST_CASE("a cancel at any moment of a pause leaves no printer paused", "[s3g]")
     bench.run_for(30);
     CHECK_FALSE(bench.mock.paused());
     CHECK(bench.mock.hotend().target() == 0);
-    bench.forget_events();
-    REQUIRE(bench.print_through(kStart + moves(20) + kEnd));
-    CHECK(bench.count<PrintFinished>() == 1);
+    check_next_print(bench);
   }
 }
 
@@ -256,13 +268,9 @@ const Lines kLongFile = Lines{"M136", "G92 X0 Y0 Z0", "M83", "M104 S100"} + move
 /// A print in which the reply to a move of filament was lost and only the rest will show what became of it.
 std::unique_ptr<S3gBench> print_with_a_doubt() {
   for (double lost = 30; lost < 60; ++lost) {
-    mock::S3gOptions o = real_wire();
+    mock::S3gOptions o =
+        real_wire({{.kind = mock::FaultKind::kLoseOk, .at = lost, .trigger = mock::FaultTrigger::kOk}});
     o.counts_lines = false;
-    mock::Fault fault;
-    fault.kind = mock::FaultKind::kLoseOk;
-    fault.trigger = mock::FaultTrigger::kOk;
-    fault.at = lost;
-    o.faults = {fault};
     auto bench = std::make_unique<S3gBench>(o);
     REQUIRE(bench->connect());
     bench->print(kLongFile);
@@ -288,11 +296,7 @@ TEST_CASE("a pause is heard while the fate of a command is open", "[s3g]") {
   bench->run_for(60);
   CHECK(bench->mock.queued_bytes() > 0);
   bench->driver.resume(bench->t);
-  REQUIRE(bench->run_until([&] { return bench->over(); }));
-  CHECK(bench->count<Paused>() == 1);
-  CHECK(bench->count<Resumed>() == 1);
-  CHECK(bench->count<PrintFinished>() == 1);
-  check_executed(*bench, kLongFile);
+  check_goes_on_to_the_end(*bench, kLongFile);
 }
 
 TEST_CASE("a pause at the panel is noticed while the fate of a command is open", "[s3g]") {
@@ -303,10 +307,7 @@ TEST_CASE("a pause at the panel is noticed while the fate of a command is open",
   CHECK(bench->count<Temperatures>() > 10);
   SECTION("and goes on") {
     bench->mock.press_pause();
-    REQUIRE(bench->run_until([&] { return bench->over(); }));
-    CHECK(bench->count<Resumed>() == 1);
-    CHECK(bench->count<PrintFinished>() == 1);
-    check_executed(*bench, kLongFile);
+    check_goes_on_to_the_end(*bench, kLongFile);
   }
   SECTION("and can be cancelled") {
     bench->driver.cancel("user", bench->t);

@@ -4,6 +4,7 @@
 
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -67,10 +68,22 @@ inline void check_executed(const S3gBench& bench, const Lines& file, const fw::s
   CHECK(bench.mock.violations().empty());
 }
 
-inline mock::S3gOptions real_wire() {
+/// Whatever became of the print before.
+inline void check_next_print(S3gBench& bench) {
+  bench.forget_events();
+  bench.executed.clear();
+  const Lines file = kStart + moves(30) + kEnd;
+  REQUIRE(bench.print_through(file));
+  CHECK(bench.count<fw::PrintFinished>() == 1);
+  CHECK(bench.count<fw::Paused>() == 0);
+  check_executed(bench, file);
+}
+
+inline mock::S3gOptions real_wire(std::vector<mock::Fault> faults = {}) {
   mock::S3gOptions o;
   o.baud = 115200;
   o.round_trip_s = 0.001;
+  o.faults = std::move(faults);
   return o;
 }
 

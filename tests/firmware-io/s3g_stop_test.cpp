@@ -73,19 +73,12 @@ TEST_CASE("a cancel at the panel when all has been sent is no finished print", "
 TEST_CASE("a cancel at the panel cancels", "[s3g]") {
   S3gBench bench(real_wire());
   REQUIRE(bench.connect());
-  bench.print(kStart + moves(300) + kEnd);
-  REQUIRE(bench.run_until([&] { return bench.executed.size() > 100; }));
+  REQUIRE(bench.print_into(kStart + moves(300) + kEnd, 100));
   bench.mock.cancel_at_panel();
   REQUIRE(bench.run_until([&] { return bench.over(); }, 5));
   CHECK(bench.count<PrintCancelled>() == 1);
   CHECK(bench.said("panel"));
-  // And the next print runs.
-  bench.forget_events();
-  bench.executed.clear();
-  const Lines file = kStart + moves(30) + kEnd;
-  REQUIRE(bench.print_through(file));
-  REQUIRE(bench.count<PrintFinished>() == 1);
-  check_executed(bench, file);
+  check_next_print(bench);
 }
 
 TEST_CASE("a cancel by the user stops at once, cools down, lifts", "[s3g]") {
@@ -93,8 +86,7 @@ TEST_CASE("a cancel by the user stops at once, cools down, lifts", "[s3g]") {
   options.cancel_gcode = {"G91\nG1 Z5 F600", "G90"};
   S3gBench bench(real_wire(), options);
   REQUIRE(bench.connect());
-  bench.print(kStart + moves(300) + kEnd);
-  REQUIRE(bench.run_until([&] { return bench.executed.size() > 100; }));
+  REQUIRE(bench.print_into(kStart + moves(300) + kEnd, 100));
   const double asked = bench.t;
   bench.driver.cancel("user", bench.t);
   REQUIRE(bench.run_until([&] { return bench.over(); }, 30));
@@ -135,13 +127,8 @@ TEST_CASE("a move for which there was no room when a cancel came is not sent any
 }
 
 TEST_CASE("a command whose fate is open when the print is lost is not sent again", "[s3g]") {
-  mock::S3gOptions o = real_wire();
+  mock::S3gOptions o = real_wire({{.kind = mock::FaultKind::kDropLine, .at = 30}});
   o.counts_lines = false;
-  mock::Fault fault;
-  fault.kind = mock::FaultKind::kDropLine;
-  fault.trigger = mock::FaultTrigger::kLine;
-  fault.at = 30;
-  o.faults = {fault};
   S3gBench bench(o);
   REQUIRE(bench.connect());
   Lines file = {"G92 X0 Y0 Z0", "M83"};
@@ -166,8 +153,7 @@ TEST_CASE("a command whose fate is open when the print is lost is not sent again
 TEST_CASE("a cancel while paused is heard too", "[s3g]") {
   S3gBench bench(real_wire());
   REQUIRE(bench.connect());
-  bench.print(kStart + moves(300) + kEnd);
-  REQUIRE(bench.run_until([&] { return bench.executed.size() > 100; }));
+  REQUIRE(bench.print_into(kStart + moves(300) + kEnd, 100));
   bench.driver.pause();
   REQUIRE(bench.run_until([&] { return bench.mock.paused(); }, 5));
   bench.run_for(3);
@@ -178,24 +164,15 @@ TEST_CASE("a cancel while paused is heard too", "[s3g]") {
   CHECK(bench.mock.aborts() >= 1);
   CHECK(bench.mock.hotend().target() == 0);
   CHECK_FALSE(bench.driver.closing());
-  bench.forget_events();
-  bench.executed.clear();
-  const Lines file = kStart + moves(30) + kEnd;
-  REQUIRE(bench.print_through(file));
-  REQUIRE(bench.count<PrintFinished>() == 1);
-  check_executed(bench, file);
+  check_next_print(bench);
 }
 
 TEST_CASE("a cancel while paused is said until it is heard, and has failed if it never is", "[s3g]") {
   for (const double silence_s : {0.3, 1e6}) {
-    mock::S3gOptions o = real_wire();
-    mock::Fault fault;
-    fault.kind = mock::FaultKind::kSilence;
-    fault.trigger = mock::FaultTrigger::kTime;
-    fault.at = 200;
-    fault.seconds = silence_s;
-    o.faults = {fault};
-    S3gBench bench(o);
+    S3gBench bench(real_wire({{.kind = mock::FaultKind::kSilence,
+                               .at = 200,
+                               .trigger = mock::FaultTrigger::kTime,
+                               .seconds = silence_s}}));
     REQUIRE(bench.connect());
     bench.print(kStart + moves(3000) + kEnd);
     bench.run_for(190 - bench.t);
@@ -220,8 +197,7 @@ TEST_CASE("a cancel while paused is said until it is heard, and has failed if it
 TEST_CASE("the emergency stop goes out at once, and goes around a packet under way", "[s3g]") {
   S3gBench whole(real_wire());
   REQUIRE(whole.connect());
-  whole.print(kStart + moves(300));
-  REQUIRE(whole.run_until([&] { return whole.executed.size() > 100; }));
+  REQUIRE(whole.print_into(kStart + moves(300), 100));
   const double begun = whole.t;
   // Wherever in an exchange of packets it comes.
   for (int i = 0; i < 40; ++i) {
@@ -247,8 +223,7 @@ TEST_CASE("the emergency stop goes out at once, and goes around a packet under w
 TEST_CASE("the emergency stop ends a packet that has begun to leave", "[s3g]") {
   S3gBench bench(real_wire());
   REQUIRE(bench.connect());
-  bench.print(kStart + moves(300));
-  REQUIRE(bench.run_until([&] { return bench.executed.size() > 100; }));
+  REQUIRE(bench.print_into(kStart + moves(300), 100));
   REQUIRE(bench.run_until([&] { return bench.driver.output().size() > 20; }));
   const std::string packet = bench.driver.output();
   bench.driver.output().erase(0, 12);
@@ -270,8 +245,7 @@ TEST_CASE("the emergency stop ends a packet that has begun to leave", "[s3g]") {
 TEST_CASE("the emergency stop is heard when a packet's rest was lost", "[s3g]") {
   S3gBench bench(real_wire());
   REQUIRE(bench.connect());
-  bench.print(kStart + moves(300));
-  REQUIRE(bench.run_until([&] { return bench.executed.size() > 100; }));
+  REQUIRE(bench.print_into(kStart + moves(300), 100));
   bench.mock.feed(s3g::frame(std::string(32, 'x')).substr(0, 12));
   const double asked = bench.t;
   bench.driver.halt("button", bench.t);

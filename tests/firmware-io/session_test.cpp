@@ -162,6 +162,14 @@ marlin::SessionOptions quick() {
   return options;
 }
 
+Lines moves(int n) {
+  Lines out;
+  for (int i = 0; i < n; ++i) out.push_back("G1 X" + std::to_string(i) + " E" + std::to_string(i * 3));
+  return out;
+}
+
+std::unique_ptr<LineSource> source(Lines lines) { return std::make_unique<MemorySource>(std::move(lines)); }
+
 /// A session whose port is a loopback; each opening gets a fresh firmware behind it.
 struct Rig {
   explicit Rig(marlin::SessionOptions options = quick()) {
@@ -177,6 +185,17 @@ struct Rig {
     changed.notify_all();
     return std::move(loopback.host);
   }
+  /// Connects and prints for so long that the printer stands at the file's 51st line.
+  bool print_to_hold() {
+    if (!listener.wait_for<Connected>()) return false;
+    peer->hold_at("G1 X50 E150");
+    port->print(source(moves(500)));
+    return listener.wait_for<LineDone>(50);
+  }
+  /// Waits until the printer has heard M112.
+  bool printer_dies() {
+    return peer->wait_for([](const ModelFirmware& firmware) { return firmware.dead; });
+  }
   void unplug() {
     const std::lock_guard lock(mutex);
     plugged = false;
@@ -186,11 +205,20 @@ struct Rig {
     const std::lock_guard lock(mutex);
     plugged = true;
   }
+  /// Connects, and stops when the port is gone.
+  bool halt_unplugged() {
+    if (!listener.wait_for<Connected>()) return false;
+    unplug();
+    if (!listener.wait_for<Disconnected>()) return false;
+    port->halt("button");
+    return true;
+  }
   /// Waits for the second peer.
   bool reopened() {
     std::unique_lock lock(mutex);
     return changed.wait_for(lock, kPatience, [&] { return opened == 2; });
   }
+
   std::mutex mutex;  ///< guards peer, plugged and opened
   std::condition_variable changed;
   bool plugged = true;
@@ -200,12 +228,6 @@ struct Rig {
   std::unique_ptr<PrinterPort> port;  ///< last: its thread uses all above
 };
 
-Lines moves(int n) {
-  Lines out;
-  for (int i = 0; i < n; ++i) out.push_back("G1 X" + std::to_string(i) + " E" + std::to_string(i * 3));
-  return out;
-}
-
 Lines printed(Peer& peer) {
   Lines out = peer.executed();
   std::erase_if(out, [](const std::string& line) {
@@ -214,8 +236,6 @@ Lines printed(Peer& peer) {
   });
   return out;
 }
-
-std::unique_ptr<LineSource> source(Lines lines) { return std::make_unique<MemorySource>(std::move(lines)); }
 
 }  // namespace
 
@@ -236,10 +256,7 @@ TEST_CASE("a session prints a file over a loopback", "[session]") {
 
 TEST_CASE("a pulled cable fails the print, and the port comes back by itself", "[session]") {
   Rig rig;
-  REQUIRE(rig.listener.wait_for<Connected>());
-  rig.peer->hold_at("G1 X50 E150");
-  rig.port->print(source(moves(500)));
-  REQUIRE(rig.listener.wait_for<LineDone>(50));
+  REQUIRE(rig.print_to_hold());
   rig.unplug();
   REQUIRE(rig.listener.wait_for<PrintFailed>());
   REQUIRE(rig.listener.wait_for<Disconnected>());
@@ -254,10 +271,7 @@ TEST_CASE("a pulled cable fails the print, and the port comes back by itself", "
 
 TEST_CASE("a printer reset in mid-print is printed on by nobody", "[session]") {
   Rig rig;
-  REQUIRE(rig.listener.wait_for<Connected>());
-  rig.peer->hold_at("G1 X50 E150");
-  rig.port->print(source(moves(500)));
-  REQUIRE(rig.listener.wait_for<LineDone>(50));
+  REQUIRE(rig.print_to_hold());
   rig.peer->reset();
   REQUIRE(rig.listener.wait_for<PrintFailed>());
   REQUIRE(rig.listener.wait_for<Connected>(2));
@@ -266,10 +280,7 @@ TEST_CASE("a printer reset in mid-print is printed on by nobody", "[session]") {
 
 TEST_CASE("pause, resume and cancel reach a running print", "[session]") {
   Rig rig;
-  REQUIRE(rig.listener.wait_for<Connected>());
-  rig.peer->hold_at("G1 X50 E150");
-  rig.port->print(source(moves(500)));
-  REQUIRE(rig.listener.wait_for<LineDone>(50));
+  REQUIRE(rig.print_to_hold());
   rig.port->pause();
   REQUIRE(rig.listener.wait_for<Paused>());
   rig.peer->hold_at("G1 X200 E600");
@@ -296,7 +307,7 @@ TEST_CASE("halt reaches a firmware whose queue is full", "[session]") {
   REQUIRE(rig.listener.wait_for<Disconnected>());
   CHECK(rig.listener.last<PrintFailed>().reason == "button");
   CHECK(rig.listener.last<Disconnected>().reason == "button");
-  CHECK(rig.peer->wait_for([](const ModelFirmware& firmware) { return firmware.dead; }));
+  CHECK(rig.printer_dies());
 }
 
 TEST_CASE("destruction ends a running print with the heaters off", "[session]") {
@@ -316,10 +327,7 @@ TEST_CASE("destruction does not wait long for a printer that hangs", "[session]"
   marlin::SessionOptions options = quick();
   options.shutdown_s = 0.05;
   Rig rig(options);
-  REQUIRE(rig.listener.wait_for<Connected>());
-  rig.peer->hold_at("G1 X50 E150");
-  rig.port->print(source(moves(500)));
-  REQUIRE(rig.listener.wait_for<LineDone>(50));
+  REQUIRE(rig.print_to_hold());
   const auto begun = std::chrono::steady_clock::now();
   rig.port.reset();
   CHECK(std::chrono::steady_clock::now() - begun < std::chrono::seconds(5));
@@ -371,23 +379,17 @@ TEST_CASE("a file goes through a pseudo terminal at a Marlin's odd baud rate", "
 TEST_CASE("an emergency stop while the port is gone is the first that goes out when it is back",
           "[session]") {
   Rig rig;
-  REQUIRE(rig.listener.wait_for<Connected>());
-  rig.unplug();
-  REQUIRE(rig.listener.wait_for<Disconnected>());
-  rig.port->halt("button");
+  REQUIRE(rig.halt_unplugged());
   rig.plug();
   REQUIRE(rig.reopened());
-  CHECK(rig.peer->wait_for([](const ModelFirmware& firmware) { return firmware.dead; }));
+  CHECK(rig.printer_dies());
   CHECK(rig.peer->executed().empty());
 }
 
 TEST_CASE("an emergency stop that a person has seen to is not said to the printer when its port is back",
           "[session]") {
   Rig rig;
-  REQUIRE(rig.listener.wait_for<Connected>());
-  rig.unplug();
-  REQUIRE(rig.listener.wait_for<Disconnected>());
-  rig.port->halt("button");
+  REQUIRE(rig.halt_unplugged());
   rig.port->forget_halt();
   rig.port->print(source(moves(1)));
   REQUIRE(rig.listener.wait_for<PrintFailed>());  // all before it has been carried out
@@ -398,23 +400,20 @@ TEST_CASE("an emergency stop that a person has seen to is not said to the printe
 
 TEST_CASE("an emergency stop that the cable took with it is said again", "[session]") {
   Rig rig;
-  REQUIRE(rig.listener.wait_for<Connected>());
-  rig.peer->hold_at("G1 X50 E150");
-  rig.port->print(source(moves(500)));
-  REQUIRE(rig.listener.wait_for<LineDone>(50));
+  REQUIRE(rig.print_to_hold());
   rig.port->halt("button");
   REQUIRE(rig.listener.wait_for<PrintFailed>());
   rig.unplug();
   rig.plug();
   REQUIRE(rig.reopened());
-  CHECK(rig.peer->wait_for([](const ModelFirmware& firmware) { return firmware.dead; }));
+  CHECK(rig.printer_dies());
 }
 
 TEST_CASE("an emergency stop that was heard is not said to the next printer", "[session]") {
   Rig rig;
   REQUIRE(rig.listener.wait_for<Connected>());
   rig.port->halt("button");
-  REQUIRE(rig.peer->wait_for([](const ModelFirmware& firmware) { return firmware.dead; }));
+  REQUIRE(rig.printer_dies());
   REQUIRE(rig.reopened());
   REQUIRE(rig.listener.wait_for<Connected>(2));
 }
