@@ -76,9 +76,15 @@ struct LinkStats {
   std::uint64_t bytes_sent = 0;
   int window_bytes = 0;
   /// Signs that the printer may have obeyed a damaged line: an ok for a line without a number, an unknown
-  /// command, a request for a line already acknowledged. Marlin cannot see every damage. Over S3G: commands that may
-  /// have run twice.
+  /// command, a request for a line already acknowledged. Marlin cannot see every damage. Over S3G: commands
+  /// that may have run twice.
   std::uint64_t doubts = 0;
+
+  /// What has been counted since then.
+  LinkStats since(const LinkStats& then) const noexcept {
+    return {lines_sent - then.lines_sent, resends - then.resends, bytes_sent - then.bytes_sent, window_bytes,
+            doubts - then.doubts};
+  }
 };
 
 struct Event {
@@ -87,5 +93,10 @@ struct Event {
                Resumed, PrintFinished, PrintCancelled, PrintFailed, Message, LinkStats, LimitsKnown>
       what;
 };
+
+inline bool ends_print(const decltype(Event::what)& what) noexcept {
+  return std::holds_alternative<PrintFinished>(what) || std::holds_alternative<PrintCancelled>(what) ||
+         std::holds_alternative<PrintFailed>(what);
+}
 
 }  // namespace voidpath::fw

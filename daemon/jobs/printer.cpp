@@ -10,10 +10,7 @@ namespace {
 constexpr double kRetry_s = 1.0;
 
 bool ends_print(const fw::Event& event) {
-  return std::holds_alternative<fw::PrintFinished>(event.what) ||
-         std::holds_alternative<fw::PrintCancelled>(event.what) ||
-         std::holds_alternative<fw::PrintFailed>(event.what) ||
-         std::holds_alternative<fw::Disconnected>(event.what);
+  return fw::ends_print(event.what) || std::holds_alternative<fw::Disconnected>(event.what);
 }
 
 std::string wiring_of(const config::PrinterConfig& config) { return config.port + "\n" + config.profile; }

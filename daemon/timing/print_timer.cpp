@@ -52,10 +52,7 @@ void PrintTimer::on(const fw::Event& event) {
   } else if (const auto* stats = std::get_if<fw::LinkStats>(&event.what)) {
     resends_ = stats->resends;
     doubts_ = stats->doubts;
-  } else if (std::holds_alternative<fw::PrintFinished>(event.what) ||
-             std::holds_alternative<fw::PrintCancelled>(event.what) ||
-             std::holds_alternative<fw::PrintFailed>(event.what) ||
-             std::holds_alternative<fw::Disconnected>(event.what)) {
+  } else if (fw::ends_print(event.what) || std::holds_alternative<fw::Disconnected>(event.what)) {
     if (ended_) return;
     close(heating_, heating_s_, now);
     close(paused_, paused_total_s_, now);

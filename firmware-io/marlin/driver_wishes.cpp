@@ -27,10 +27,7 @@ void Driver::print(std::unique_ptr<LineSource> source, double t) {
   end_probed_ = false;
   before_print_ = link_stats();
   job_ = std::make_unique<PrintJob>(std::move(source), firmware_, [this](auto what) {
-    const bool last = std::holds_alternative<PrintFinished>(what) ||
-                      std::holds_alternative<PrintCancelled>(what) ||
-                      std::holds_alternative<PrintFailed>(what);
-    if (last) report_stats();
+    if (ends_print(what)) report_stats();
     emit(std::move(what));
   });
   if (panel_waits_) {
@@ -147,13 +144,6 @@ LinkStats Driver::link_stats() const {
           window.doubtful_requests() + window.nameless_oks() + odd_commands_};
 }
 
-void Driver::report_stats() {
-  LinkStats stats = link_stats();
-  stats.lines_sent -= before_print_.lines_sent;
-  stats.resends -= before_print_.resends;
-  stats.bytes_sent -= before_print_.bytes_sent;
-  stats.doubts -= before_print_.doubts;
-  emit(stats);
-}
+void Driver::report_stats() { emit(link_stats().since(before_print_)); }
 
 }  // namespace voidpath::fw::marlin

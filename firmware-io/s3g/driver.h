@@ -76,7 +76,6 @@ class Driver final : public Dialogue {
   void on_tool_answer(const Answer& answer);
   void on_build(const Answer& answer, double t);
   void on_cancelled(const Answer& answer);
-  void command_line(std::string_view line, double t);
   void on_refused(const Refused& refused);
   void on_dead(const Dead& dead, double t);
   void on_aborted(ReplyCode code, double t);
@@ -86,6 +85,7 @@ class Driver final : public Dialogue {
   bool pump_query(double t);
   void pump_aside(double t);
   bool pump_action(double t);
+  void command_line(std::string_view line, double t);
   void want_paused(bool paused);
   double toggle_t() const noexcept;
   void act(Action action, double t);
