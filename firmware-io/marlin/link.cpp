@@ -320,9 +320,9 @@ void Link::elapsed(double t) {
   if (t >= progress_t_ + stall_after_s()) {
     // What stands in the command queue of a firmware at work keeps out what is urgent.
     const bool at_length = may_be_at_length();
-    window_.on_stall(!at_length || window_.may_ask(kQuestion), !at_length ||
-                                                                   window_.questions() < kMostQuestions ||
-                                                                   t >= asked_t_ + timing_.ask_again_s);
+    const bool may_probe =
+        !at_length || window_.questions() < kMostQuestions || t >= asked_t_ + timing_.ask_again_s;
+    window_.on_stall(!at_length || window_.may_ask(kQuestion), may_probe);
     if ((window_.stalls() > 1 || unpacks_perhaps_) && tail_.empty()) stop_packing();
     progress_t_ = t;
   }

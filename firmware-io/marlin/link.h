@@ -129,7 +129,6 @@ class Link {
   /// A line is needed to provoke an answer, and nobody sent one.
   bool wants_probe() const noexcept { return window_.wants_probe() && !window_.draining(); }
   double progress_t() const noexcept { return progress_t_; }
-  bool busy_seen() const noexcept { return busy_seen_; }
   const Window& window() const noexcept { return window_; }
   std::string& output() noexcept { return output_; }
   std::uint64_t lines_sent() const noexcept { return lines_sent_; }

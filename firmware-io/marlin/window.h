@@ -108,8 +108,8 @@ class Window {
   /// No ok for a while though the window is not full: one more line can do no harm. What answers_missing()
   /// means counts as answered.
   void on_patience();
-  /// No ok for so long that one must have been lost: lets one line out to provoke an answer, beyond the
-  /// limit if the ring may be overfilled for it.
+  /// No ok for so long that one must have been lost, or that nobody is there. Lets one line out to provoke an
+  /// answer, unless it may not; beyond the limit if the ring may be overfilled for it.
   void on_stall(bool may_overfill = true, bool may_probe = true);
   /// It is at work, whatever oks are missing: stalls alone no longer tell that nobody is there.
   void on_life() noexcept;
@@ -154,9 +154,6 @@ class Window {
   /// Oks of a firmware that names the line, naming none: it has obeyed something unnumbered.
   std::uint64_t nameless_oks() const noexcept { return nameless_oks_; }
   Health health() const noexcept { return health_; }
-  /// Grows with everything that may have moved an acknowledgement: a request, a stall, an ok too many. While
-  /// it stands still, what is acknowledged is done.
-  std::uint64_t disturbances() const noexcept { return disturbances_; }
 
  private:
   /// How the ceiling comes back: a byte each so many oks, four times as slowly after each lowering.
@@ -233,7 +230,6 @@ class Window {
   std::uint64_t doubtful_requests_ = 0;
   std::uint64_t nameless_oks_ = 0;
   std::uint64_t lost_oks_ = 0;
-  std::uint64_t disturbances_ = 0;
   Health health_ = Health::good;
 };
 

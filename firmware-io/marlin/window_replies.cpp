@@ -88,7 +88,6 @@ void Window::lower_ceiling() {
 }
 
 void Window::on_overrun() {
-  ++disturbances_;
   if (!draining_) lower_ceiling();
   limit_ = std::min(limit_, ceiling_);
 }
@@ -116,7 +115,6 @@ void Window::on_ok(std::optional<std::uint32_t> line, std::optional<int> queue_f
   if (!line && queue_free && !in_flight_.empty() && in_flight_.front().number != 0) {
     // Of a line nobody sent: it acknowledges nothing.
     ++nameless_oks_;
-    ++disturbances_;
     return;
   }
   if (temperatures) {
@@ -143,7 +141,6 @@ void Window::on_ok(std::optional<std::uint32_t> line, std::optional<int> queue_f
     acknowledge_front();
     return;
   }
-  ++disturbances_;
   if (draining_ && resent_was_in_flight_ && resending() && cursor_ != cut_off_) {
     // Nothing else is owed: the line had been taken after all, and would now be met with silence. If this
     // guess is wrong the firmware asks again.
@@ -179,7 +176,6 @@ bool Window::wants_the_beginning(std::uint32_t line) {
 
 void Window::on_resend(std::uint32_t line) {
   ++resend_requests_;
-  ++disturbances_;
   const bool says_ok = request_oks_missed_ <= request_oks_seen_;
   request_ok_due_ = says_ok ? kOkAfterResend : 0;
   if (wants_the_beginning(line)) {
@@ -198,7 +194,6 @@ void Window::on_resend(std::uint32_t line) {
 }
 
 void Window::on_framing_error(std::optional<std::uint32_t> last_line) {
-  ++disturbances_;
   if (last_line) {
     on_resend(*last_line + 1);
     --resend_requests_;  // the request itself follows and counts
@@ -233,7 +228,6 @@ void Window::on_life() noexcept { stalls_ = std::min(stalls_, kStallsOfWork); }
 
 void Window::on_stall(bool may_overfill, bool may_probe) {
   if (draining_) return;
-  ++disturbances_;
   if (probing_ && probe_answered_) {
     // The probe's number follows those before it: had they not been taken, it would have been refused.
     acknowledge_all();

@@ -27,12 +27,6 @@ constexpr std::size_t kFreeBytes = 5;
 
 constexpr std::uint8_t kSailfish = 0x80;
 
-Question tool_question(int tool, ToolQuery query) {
-  Payload payload(Query::tool);
-  payload.u8(static_cast<std::uint8_t>(tool)).u8(static_cast<std::uint8_t>(query));
-  return {payload.bytes(), kTemperatureBytes};
-}
-
 std::string version_text(std::uint32_t version) {
   return std::to_string(version / 100) + "." + std::to_string(version % 100);
 }
@@ -122,12 +116,12 @@ void Driver::schedule_polls(double t) {
   });
   poll_t_ = t + (hot ? kPollHot_s : kPollCold_s);
   for (int tool = 0; tool < options_.machine.extruders; ++tool) {
-    polls_.push_back(tool_question(tool, ToolQuery::temperature));
-    polls_.push_back(tool_question(tool, ToolQuery::target));
+    polls_.push_back(tool_question(tool, ToolQuery::temperature, kTemperatureBytes));
+    polls_.push_back(tool_question(tool, ToolQuery::target, kTemperatureBytes));
   }
   if (options_.machine.heated_bed) {
-    polls_.push_back(tool_question(0, ToolQuery::bed_temperature));
-    polls_.push_back(tool_question(0, ToolQuery::bed_target));
+    polls_.push_back(tool_question(0, ToolQuery::bed_temperature, kTemperatureBytes));
+    polls_.push_back(tool_question(0, ToolQuery::bed_target, kTemperatureBytes));
   }
   polls_.push_back({Payload(Query::board_status).bytes(), 2});
 }

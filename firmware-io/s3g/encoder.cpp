@@ -94,11 +94,16 @@ void Encoder::act(Payload payload, Action::Kind kind, int tool) {
   out_.actions.push_back(std::move(action));
 }
 
-int Encoder::tool_of(const Words& words) const {
-  const int tool = words.has('T') ? static_cast<int>(words.get('T')) : state_.tool;
-  if (tool >= 0 && tool < machine_.extruders) return tool;
+void Encoder::require_tool(int tool) const {
+  if (tool >= 0 && tool < machine_.extruders) return;
   throw EncodeError("this printer has " + std::to_string(machine_.extruders) + " extruder" +
                     (machine_.extruders == 1 ? "" : "s") + ", counted from T0");
+}
+
+int Encoder::tool_of(const Words& words) const {
+  const int tool = words.has('T') ? static_cast<int>(words.get('T')) : state_.tool;
+  require_tool(tool);
+  return tool;
 }
 
 std::uint8_t Encoder::axes_of(const Words& words, std::uint8_t otherwise) const {
@@ -369,10 +374,7 @@ void Encoder::encode_text(std::string_view text, int seconds) {
 }
 
 void Encoder::change_tool(int tool) {
-  if (tool < 0 || tool >= machine_.extruders) {
-    throw EncodeError("this printer has " + std::to_string(machine_.extruders) + " extruder" +
-                      (machine_.extruders == 1 ? "" : "s") + ", counted from T0");
-  }
+  require_tool(tool);
   if (tool == state_.tool && (state_.tool_told || machine_.extruders < 2)) return;
   state_.tool = tool;
   state_.tool_told = false;

@@ -98,6 +98,7 @@ class Encoder {
   void set_position(const Words& words);
   void change_tool(int tool);
   void tell_tool();
+  void require_tool(int tool) const;
   int tool_of(const Words& words) const;
   std::uint8_t axes_of(const Words& words, std::uint8_t otherwise) const;
   void act(Payload payload, Action::Kind kind = Action::Kind::other, int tool = 0);

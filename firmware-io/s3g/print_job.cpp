@@ -19,12 +19,6 @@ constexpr std::size_t kPositionBytes = 1 + 4 * kAxes + 2;
 /// Query::stop: both the motors and the queue.
 constexpr std::uint8_t kStopAndClear = 3;
 
-Question tool_question(int tool, ToolQuery query) {
-  Payload payload(Query::tool);
-  payload.u8(static_cast<std::uint8_t>(tool)).u8(static_cast<std::uint8_t>(query));
-  return {payload.bytes(), 2};
-}
-
 bool ends_build(const Action& action) {
   return static_cast<unsigned char>(action.payload.at(0)) == static_cast<unsigned char>(Command::build_end);
 }
@@ -34,6 +28,12 @@ bool is_wait(const Action& action) {
 }
 
 }  // namespace
+
+Question tool_question(int tool, ToolQuery query, std::size_t answer_bytes) {
+  Payload payload(Query::tool);
+  payload.u8(static_cast<std::uint8_t>(tool)).u8(static_cast<std::uint8_t>(query));
+  return {payload.bytes(), answer_bytes};
+}
 
 PrintJob::PrintJob(std::unique_ptr<LineSource> source, Encoder& encoder, Endings endings, Emit emit)
     : source_(std::move(source)), encoder_(encoder), endings_(std::move(endings)), emit_(std::move(emit)) {}
@@ -48,9 +48,9 @@ std::optional<Question> PrintJob::question(double t) {
     case Wait::rest:
       return Question{Payload(Query::finished).bytes(), 2};
     case Wait::tool:
-      return tool_question(wait_tool_, ToolQuery::ready);
+      return tool_question(wait_tool_, ToolQuery::ready, 2);
     case Wait::bed:
-      return tool_question(0, ToolQuery::bed_ready);
+      return tool_question(0, ToolQuery::bed_ready, 2);
     case Wait::build:
       return Question{Payload(Query::build).bytes(), kBuildBytes};
     case Wait::board:
@@ -124,7 +124,6 @@ void PrintJob::on_answer(const Answer& answer, double t) {
 void PrintJob::rested() {
   wait_ = Wait::none;
   drained_ = true;
-  homing_ = false;
   if (std::exchange(heating_, false)) {
     motion_armed_ = true;
     emit_(Heating{false});
@@ -234,7 +233,6 @@ void PrintJob::on_accepted(const Accepted& accepted) {
     begun_ = true;
     wait_ = Wait::rest;
   } else if (action.kind == Action::Kind::home) {
-    homing_ = true;
     wait_ = Wait::rest;
   } else if (action.kind == Action::Kind::wait_tool && state_ != State::ending) {
     wait_ = Wait::tool;

@@ -23,6 +23,7 @@ struct Question {
   std::string payload;
   std::size_t answer_bytes = 0;
 };
+Question tool_question(int tool, ToolQuery query, std::size_t answer_bytes);
 
 /// One print: turns the source's lines into actions one after the other, and ends it, well or not. One
 /// thread.
@@ -100,7 +101,7 @@ class PrintJob {
   State state_ = State::starting;
   Wait wait_ = Wait::build;
   int wait_tool_ = 0;
-  bool homing_ = false, drained_ = false;
+  bool drained_ = false;
   bool build_seen_ = false;  ///< still the printer's when its end was due
   double ask_t_ = 0;
   int rest_asks_ = 0;  ///< before it began
