@@ -87,7 +87,7 @@ class GcodeFile final : public LineSource {
       }
       if (command.empty()) continue;
       const marlin::Word word = marlin::first_word(command);
-      if (word.letter == 'G') note_geometry(word.number, index);
+      if (word.letter == 'G') note_geometry(word.number, command, index);
       bool rounded = false;
       ahead_[count_++] = {{marlin::trim_move(command, rounds_ && absolute_ && millimetres_, &rounded), index},
                           read_};
@@ -98,12 +98,17 @@ class GcodeFile final : public LineSource {
   }
 
   // A file that says neither is taken to count on what the printer was left in.
-  void note_geometry(int number, std::uint32_t index) {
+  void note_geometry(int number, const std::string& command, std::uint32_t index) {
     if (number <= 1 || number == 4 || number == 10 || number == 11) return;
     if (number == 2 || number == 3) return begin_arcs(index);
     if (number == 90 || number == 91) absolute_ = number == 90;
     if (number == 20 || number == 21) millimetres_ = number == 21;
-    if (number != 90 && number != 21) exact_ = {};
+    if (number != 90 && number != 21 && !leaves_place(command)) exact_ = {};
+  }
+
+  // What stands between a file's moves and its first arc as a rule: the plane, the filament's count.
+  static bool leaves_place(const std::string& command) {
+    return command == "G17" || (command.starts_with("G92 E") && command.find_first_of("XY") == command.npos);
   }
 
   // What an arc begins and ends with decides where its middle is and which way it turns: half a micrometre is

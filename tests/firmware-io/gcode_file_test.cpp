@@ -232,8 +232,11 @@ TEST_CASE("an arc begins where it was meant to, and from then on nothing is roun
         Lines{"G90", "G1 X10 Y7", "G1 X3 Y4", "G2 X3 I5"});
   CHECK(read("G90\nG1 X10.0004 Y7.00004\nG1 X3\nG3 X3 I5\n") ==
         Lines{"G90", "G1 X10 Y7", "G1 X3", "G1 Y7.00004", "G3 X3 I5"});
+  for (const char* still : {"G92 E0", "G17"})
+    CHECK(read("G90\nG1 X10.0004\n" + std::string(still) + "\nG2 X10.0004 I5\n") ==
+          Lines{"G90", "G1 X10", still, "G1 X10.0004", "G2 X10.0004 I5"});
   // A place of another name by now.
-  for (const char* moved : {"G92 X0 Y0", "G28", "G91"})
+  for (const char* moved : {"G92 X0 Y0", "G92 E0 X0", "G92.1", "G28", "G91"})
     CHECK(read("G90\nG1 X10.0004\n" + std::string(moved) + "\nG2 X1 I5\n") ==
           Lines{"G90", "G1 X10", moved, "G2 X1 I5"});
 }
