@@ -98,7 +98,8 @@ void PrintJob::on_answer(const Answer& answer, double t) {
     case Wait::build:
       // Old firmware does not know the question.
       if (query == Query::build)
-        on_build(good ? static_cast<BuildState>(answer.data.at(0)) : BuildState::done);
+        on_build(good ? static_cast<BuildState>(answer.data.at(0)) : BuildState::done,
+                 good ? little_endian(answer.data, 3, 4) : line_before_end_);
       return;
     // Whether the heaters still were on: the driver has looked. With no command left to refuse, a printer
     // that shut them down would only seem to have done everything.
@@ -138,7 +139,7 @@ void PrintJob::rested() {
   }
 }
 
-void PrintJob::on_build(BuildState state) {
+void PrintJob::on_build(BuildState state, std::uint32_t line) {
   wait_ = Wait::none;
   if (state_ == State::starting) {
     if (state == BuildState::paused)
@@ -146,9 +147,11 @@ void PrintJob::on_build(BuildState state) {
     pending_.push_back(encoder_.build_start("voidpath"));
     return;
   }
-  if (state == BuildState::none)
+  // One that begins anew counts anew, and takes the build's end for that of one of its own.
+  if (state == BuildState::none || line < line_before_end_)
     return end(std::move(endings_.cool), PrintFailed{"the printer restarted in mid-print"});
   build_seen_ = true;
+  line_before_end_ = line;
   if (state_ != State::finishing || !pending_.empty()) return;
   if (state == BuildState::cancelled) {
     emit_(Message{"cancelled at the printer's panel"});

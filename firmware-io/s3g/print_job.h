@@ -89,7 +89,7 @@ class PrintJob {
   void take_line(const SourceLine& line);
   void advance();
   void rested();
-  void on_build(BuildState state);
+  void on_build(BuildState state, std::uint32_t line);
   void queue_endings();
   void queue_ending(std::string_view line);
   void finish(decltype(Event::what) outcome);
@@ -102,7 +102,8 @@ class PrintJob {
   Wait wait_ = Wait::build;
   int wait_tool_ = 0;
   bool drained_ = false;
-  bool build_seen_ = false;  ///< still the printer's when its end was due
+  bool build_seen_ = false;            ///< still the printer's when its end was due
+  std::uint32_t line_before_end_ = 0;  ///< the printer's count of commands then
   double ask_t_ = 0;
   int rest_asks_ = 0;  ///< before it began
   std::deque<Action> pending_;

@@ -292,6 +292,18 @@ TEST_CASE("a restart near a print's end, where nothing more may be polled, fails
   }
 }
 
+TEST_CASE("a restart right before the build's end is no finished print", "[s3g]") {
+  S3gBench bench(real_wire());
+  REQUIRE(bench.connect());
+  const std::string end = s3g::frame(s3g::Encoder(s3g::Machine()).build_end().payload);
+  bench.on_output = [&](const std::string& bytes) {
+    if (bytes == end) bench.mock.reset();
+  };
+  REQUIRE(bench.print_through(kStart + moves(30)));
+  REQUIRE(bench.mock.statistics().resets == 1);
+  CHECK_THAT(bench.failure(), Catch::Contains("restarted"));
+}
+
 TEST_CASE("silence in mid-print ends it with a reason", "[s3g]") {
   S3gBench bench(real_wire(
       {{.kind = mock::FaultKind::kSilence, .at = 60, .trigger = mock::FaultTrigger::kTime, .seconds = 1e6}}));
