@@ -94,6 +94,8 @@ void Driver::collect(double t) {
   while (const auto tag = link_.take_acknowledged()) {
     if (tag->kind == Tag::Kind::query) {
       if (--queries_unanswered_ == 0) tell_limits();
+    } else if (tag->kind == Tag::Kind::resume) {
+      if (std::exchange(unparking_, false)) go_on(t);
     } else if (job_ && tag->kind != Tag::Kind::control) {
       job_->on_acknowledged(*tag);
       drop_finished_job();
@@ -120,7 +122,8 @@ void Driver::pump(double t) {
     const std::string line = std::move(controls_.front());
     controls_.pop_front();
     if (sets_keepalive(line)) link_.forget_busy();
-    link_.send(line, {.kind = Tag::Kind::control, .is_long = is_long(line)}, t);
+    const Tag::Kind kind = line == kResume ? Tag::Kind::resume : Tag::Kind::control;
+    link_.send(line, {.kind = kind, .is_long = is_long(line)}, t);
   }
   if (job_ && queries_unanswered_ == 0) job_->feed(link_, t);
   drop_finished_job();

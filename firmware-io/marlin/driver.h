@@ -90,6 +90,7 @@ class Driver final : public Dialogue {
   void on_restart(double t);
   void go_on(double t);
   void leave_panel(double t);
+  std::vector<std::string> last_lines(std::vector<std::string> lines);
   void handshake_elapsed(double t);
   void settle(double t);
   void collect(double t);
@@ -150,6 +151,8 @@ class Driver final : public Dialogue {
   std::uint64_t odd_commands_ = 0;  ///< never sent, or beyond reason: damage that no checksum showed
   bool printer_waits_ = false;      ///< it said so; paused until its next ok
   bool panel_waits_ = false;        ///< it waits for a person, whoever paused the print
+  bool parked_ = false;             ///< Klipper has left the print's place, and reads on
+  bool unparking_ = false;          ///< it was told to go back
   std::string prompt_;              ///< a question as far as it was heard
   int prompt_choices_ = 0;
 };

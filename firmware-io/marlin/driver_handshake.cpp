@@ -55,7 +55,7 @@ void Driver::forget_dialogue() {
   repacking_until_ = rest_until_ = 0;
   settings_ = {};
   firmware_ = {};
-  autoreport_ = printer_waits_ = panel_waits_ = false;
+  autoreport_ = printer_waits_ = panel_waits_ = parked_ = unparking_ = false;
   prompt_.clear();
 }
 

@@ -106,6 +106,7 @@ void Driver::on_error(const Error& error, double t) {
   emit(Message{"Error: " + error.text});
   // A part of the print is missing: a person decides, as above.
   if (error.kind == Error::Kind::refused && job_) job_->pause(true, error.text);
+  if (error.kind == Error::Kind::refused) unparking_ = false;
   if (error.kind != Error::Kind::fatal) return;
   for (const std::string& line : heaters_off(firmware_)) link_.send_raw(line, false, t);
   if (job_) {
@@ -139,7 +140,10 @@ void Driver::on_action(const Action& action, double t) {
     if (job_) job_->pause(true, "probing failed");
   } else if (action.name == "pause" || action.name == "paused" || action.name == "out_of_filament") {
     if (job_) job_->pause(true, action.argument.empty() ? "the printer asked for it" : action.argument);
-    if (action.name == "paused") link_.hold(), panel_waits_ = true;
+    if (action.name != "paused") return;
+    link_.hold();
+    panel_waits_ = true;
+    parked_ = firmware_.name.find("Klipper") != firmware_.name.npos;
   } else if (action.name == "resume" || action.name == "resumed") {
     go_on(t);
   } else if (action.name == "cancel") {

@@ -46,22 +46,32 @@ void Driver::pause() {
 void Driver::resume(double t) {
   stamp_.look();
   leave_panel(t);
-  go_on(t);
+  if (!parked_ || !job_) return go_on(t);
+  if (!std::exchange(unparking_, true)) controls_.emplace_back(kResume);
+  settle(t);
 }
 
 // The printer waits for a person, who is here: else it would go on waiting for one at its panel.
 void Driver::leave_panel(double t) {
   printer_waits_ = false;
   if (!std::exchange(panel_waits_, false)) return;
-  link_.send_raw("M108", true, t);
+  if (!parked_) link_.send_raw("M108", true, t);
   link_.note_progress(t);
 }
 
 void Driver::go_on(double t) {
+  parked_ = unparking_ = false;
   if (!job_) return;
   link_.note_progress(t);
   job_->resume();
   settle(t);
+}
+
+// A Klipper that was left paused would pause no other print.
+std::vector<std::string> Driver::last_lines(std::vector<std::string> lines) {
+  lines.push_back("M84");
+  if (std::exchange(parked_, false)) lines.push_back("CLEAR_PAUSE");
+  return lines;
 }
 
 void Driver::cancel(const std::string& reason, double t) {
@@ -69,10 +79,9 @@ void Driver::cancel(const std::string& reason, double t) {
   if (!job_) return;
   std::vector<std::string> lines = options_.cancel_gcode;
   for (std::string& line : heaters_off(firmware_)) lines.push_back(std::move(line));
-  lines.push_back("M84");
   if (!job_->ending() && !reason.empty()) emit(Message{"cancelled: " + reason});
   leave_panel(t);
-  job_->end(lines, PrintCancelled{}, link_, t);
+  job_->end(last_lines(std::move(lines)), PrintCancelled{}, link_, t);
   settle(t);
 }
 
@@ -81,9 +90,8 @@ void Driver::shut_down(double t) {
   if (!job_) return;
   std::vector<std::string> lines = heaters_off(firmware_);
   lines.insert(lines.end(), options_.cancel_gcode.begin(), options_.cancel_gcode.end());
-  lines.push_back("M84");
   leave_panel(t);
-  job_->end(lines, PrintCancelled{}, link_, t);
+  job_->end(last_lines(std::move(lines)), PrintCancelled{}, link_, t);
   settle(t);
 }
 

@@ -27,7 +27,7 @@ struct Timing {
 
 /// What a numbered line was for; handed back when it is acknowledged.
 struct Tag {
-  enum class Kind { file, control, query, finish, ending };
+  enum class Kind { file, control, resume, query, finish, ending };
   Kind kind = Kind::control;
   std::uint32_t index = 0;
   std::uint64_t file_position = 0;

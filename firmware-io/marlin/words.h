@@ -24,6 +24,8 @@ bool may_wait_for_person(std::string_view command) noexcept;
 /// A word of several letters, as Klipper's macros and extended commands: whatever it heats, homes and moves
 /// has ended when its ok comes.
 bool is_macro(std::string_view command) noexcept;
+/// Klipper's, after its PAUSE: back to the print's place.
+inline constexpr std::string_view kResume = "RESUME";
 /// May take minutes before its ok.
 bool is_long(std::string_view command) noexcept;
 /// Moves an axis or the filament towards a given place: G0 to G3 and G5 with an axis word. Homing is none.

@@ -111,6 +111,88 @@ TEST_CASE("what Klipper will not do pauses the print with its reason", "[klipper
   CHECK(bench.count<PrintCancelled>() == 1);
 }
 
+namespace {
+
+/// A print that stands paused by a word in its file.
+struct PausedKlipper {
+  MockBench bench{klipper().instant_moves().cold_extrusion().build()};
+  std::vector<std::string> file = moves(40);
+  PausedKlipper() {
+    REQUIRE(bench.connect());
+    file.insert(file.begin() + 20, "PAUSE");
+    bench.print(file);
+    REQUIRE(bench.run_until([&] { return bench.count<Paused>() > 0; }));
+    bench.run_for(10);  // it answers meanwhile
+    CHECK(bench.count<Paused>() == 1);
+  }
+  std::ptrdiff_t said(const std::string& line) const {
+    return std::count(bench.log.begin(), bench.log.end(), line);
+  }
+  /// Of the file behind its pause.
+  bool goes_on() const { return said(file[21]) > 0; }
+};
+
+}  // namespace
+
+TEST_CASE("a Klipper that has parked is told to go back before the print goes on", "[klipper]") {
+  PausedKlipper rig;
+  CHECK_FALSE(rig.goes_on());
+  SECTION("by the user here") {
+    rig.bench.driver.resume(rig.bench.t());
+    CHECK(rig.bench.count<Resumed>() == 0);
+    REQUIRE(rig.bench.run_until([&] { return rig.bench.over(); }));
+    CHECK(rig.said("RESUME") == 1);
+    rig.file.insert(rig.file.begin() + 21, "RESUME");
+  }
+  SECTION("by its own page") {
+    rig.bench.driver.command("RESUME", rig.bench.t());
+    REQUIRE(rig.bench.run_until([&] { return rig.bench.over(); }));
+    rig.file.insert(rig.file.begin() + 21, "RESUME");
+  }
+  SECTION("which forgot about it meanwhile") {
+    rig.bench.driver.command("CLEAR_PAUSE", rig.bench.t());
+    rig.bench.run_for(1);
+    rig.bench.driver.resume(rig.bench.t());
+    REQUIRE(rig.bench.run_until([&] { return rig.bench.over(); }));
+    rig.file.insert(rig.file.begin() + 21, {"CLEAR_PAUSE", "RESUME"});
+  }
+  CHECK(rig.bench.count<PrintFinished>() == 1);
+  CHECK(rig.bench.count<Resumed>() == 1);
+  std::erase(rig.bench.log, "M105");
+  CHECK(std::search(rig.bench.log.begin(), rig.bench.log.end(), rig.file.begin(), rig.file.end()) !=
+        rig.bench.log.end());
+}
+
+TEST_CASE("a Klipper that will not go back stays paused, and can be told again", "[klipper]") {
+  PausedKlipper rig;
+  bool refuses = true;
+  rig.bench.to_host = [&](std::string text) {
+    const std::string resumed = "// action:resumed\n";
+    if (const auto at = text.find(resumed); refuses && at != text.npos)
+      text.replace(at, resumed.size(), "!! Extrude below minimum temp\n");
+    return text;
+  };
+  rig.bench.driver.resume(rig.bench.t());
+  rig.bench.run_for(10);
+  CHECK(rig.said("RESUME") == 1);
+  CHECK(rig.bench.count<Resumed>() == 0);
+  CHECK_FALSE(rig.goes_on());
+  refuses = false;
+  rig.bench.driver.resume(rig.bench.t());
+  REQUIRE(rig.bench.run_until([&] { return rig.bench.over(); }));
+  CHECK(rig.said("RESUME") == 2);
+  CHECK(rig.bench.count<PrintFinished>() == 1);
+}
+
+TEST_CASE("a Klipper whose paused print is cancelled can pause the next one", "[klipper]") {
+  PausedKlipper rig;
+  rig.bench.driver.cancel("", rig.bench.t());
+  REQUIRE(rig.bench.run_until([&] { return rig.bench.over(); }));
+  CHECK(rig.bench.count<PrintCancelled>() == 1);
+  rig.bench.print(rig.file);
+  REQUIRE(rig.bench.run_until([&] { return rig.bench.count<Paused>() == 2; }));
+}
+
 TEST_CASE("an emergency stop reaches Klipper ahead of what is queued; restarted, it prints again",
           "[klipper]") {
   MockBench bench(klipper().cold_extrusion().build());

@@ -160,6 +160,9 @@ Dialect klipper() {
                 "G3",
                 "G21",
                 "T0",
+                "PAUSE",
+                "RESUME",
+                "CLEAR_PAUSE",
                 "START_PRINT",
                 "BED_MESH_CALIBRATE",
                 "QUAD_GANTRY_LEVEL"};

@@ -3,6 +3,7 @@
 #include "tests/mock_printer/mock_marlin.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace voidpath::test::mock {
 namespace {
@@ -256,6 +257,19 @@ bool MockMarlin::execute_macro(const Command& c) {
       heat_wait_ = true;
     });
     tasks_.push_back({.kind = Task::Kind::kHeat, .heat = HeatWait(true, false)});
+    return true;
+  }
+  if (c.text() == "PAUSE") {
+    write_line(std::exchange(parked_, true) ? "// Print already paused" : "// action:paused");
+    return true;
+  }
+  if (c.text() == "RESUME") {
+    write_line(std::exchange(parked_, false) ? "// action:resumed"
+                                             : "// Print is not paused, resume aborted");
+    return true;
+  }
+  if (c.text() == "CLEAR_PAUSE") {
+    parked_ = false;
     return true;
   }
   if (c.text() == "QUAD_GANTRY_LEVEL") {

@@ -42,7 +42,7 @@ void MockMarlin::boot() {
   protocol_.reset();
   queue_.clear();
   tasks_.clear();
-  executing_ = halted_ = homed_ = user_wait_ = heat_wait_ = tuning_ = false;
+  executing_ = halted_ = homed_ = user_wait_ = heat_wait_ = parked_ = tuning_ = false;
   relative_ = relative_e_ = false;
   feed_ = 25;
   feed_factor_ = flow_ = 1;
