@@ -193,7 +193,7 @@ bool Driver::pump_ready(double t) {
 bool Driver::pump_query(double t) {
   asked_by_job_ = asked_room_ = false;
   if (told_cancelled_) {
-    ask({Payload(Query::board_status).bytes(), 2}, t);
+    link_.ask(question(Query::board_status), t);
     return true;
   }
   if (t >= toggle_t()) {
@@ -205,7 +205,7 @@ bool Driver::pump_query(double t) {
   // Polls and actions take turns, but nothing comes between the queries of a glance.
   if (!polls_.empty() && (!polled_last_ || glance_step_ != 0)) {
     polled_last_ = true;
-    ask(std::move(polls_.front()), t);
+    link_.ask(std::move(polls_.front()), t);
     polls_.pop_front();
     return true;
   }
@@ -216,7 +216,7 @@ bool Driver::pump_action(double t) {
   if (held_) {
     if (t < room_t_) return false;
     asked_room_ = true;
-    ask({Payload(Query::free_buffer).bytes(), 5}, t);
+    link_.ask(question(Query::free_buffer), t);
     return true;
   }
   if (!controls_.empty()) {
@@ -229,7 +229,7 @@ bool Driver::pump_action(double t) {
   if (!job_) return false;
   if (auto question = job_->question(t)) {
     asked_by_job_ = true;
-    ask(std::move(*question), t);
+    link_.ask(std::move(*question), t);
     return true;
   }
   if (auto action = job_->next()) {

@@ -65,7 +65,6 @@ class Driver final : public Dialogue {
   };
 
   void emit(decltype(Event::what) what);
-  void ask(Question question, double t) { link_.ask(std::move(question.payload), question.answer_bytes, t); }
   void greeting_since(double t);
   void greet(double t);
   void become_ready(double t);

@@ -21,9 +21,6 @@ constexpr double kPauseSettles_s = 2;
 constexpr double kGlancePause_s = 0.5;
 
 constexpr std::size_t kVersionBytes = 3;
-constexpr std::size_t kTemperatureBytes = 3;
-constexpr std::size_t kBuildBytes = 12;
-constexpr std::size_t kFreeBytes = 5;
 
 constexpr std::uint8_t kSailfish = 0x80;
 
@@ -31,12 +28,8 @@ std::string version_text(std::uint32_t version) {
   return std::to_string(version / 100) + "." + std::to_string(version % 100);
 }
 
-Query query_of(const Answer& answer) {
-  return static_cast<Query>(static_cast<unsigned char>(answer.query.at(0)));
-}
-
 bool tells_of_heater_failure(const Answer& answer) {
-  return query_of(answer) == Query::board_status && answer.code == ReplyCode::ok &&
+  return query_of(answer.query) == Query::board_status && answer.code == ReplyCode::ok &&
          (little_endian(answer.data, 0, 1) & kHeatShutdown) != 0;
 }
 
@@ -69,7 +62,7 @@ void Driver::greet(double t) {
 }
 
 void Driver::on_identity(const Answer& answer, double t) {
-  const Query query = query_of(answer);
+  const Query query = query_of(answer.query);
   const bool good = answer.code == ReplyCode::ok;
   if (answer.code == ReplyCode::heater_failure) return disconnect(kHeatersShut);
   if (query == Query::version) {
@@ -77,7 +70,7 @@ void Driver::on_identity(const Answer& answer, double t) {
     firmware_.name = "MakerBot " + version_text(little_endian(answer.data, 0, 2));
     phase_ = Phase::identifying;
     phase_deadline_ = t + options_.timing.silence_s;
-    link_.ask(Payload(Query::advanced_version).u16(kHostVersion).bytes(), 0, t);
+    link_.ask({Payload(Query::advanced_version).u16(kHostVersion).bytes()}, t);
   } else if (query == Query::advanced_version) {
     // Old firmware does not know the question.
     if (good && answer.data.size() >= 5) {
@@ -103,12 +96,12 @@ void Driver::schedule_polls(double t) {
     glance_t_ = t;
     glance_step_ = 1;
     for (const Query query : {Query::build, Query::free_buffer, Query::build}) {
-      polls_.push_back({Payload(query).bytes(), query == Query::build ? kBuildBytes : kFreeBytes});
+      polls_.push_back(question(query));
     }
   }
   if (t >= build_t_) {
     build_t_ = t + (job_ ? kBuildPoll_s : kPollCold_s);
-    polls_.push_back({Payload(Query::build).bytes(), kBuildBytes});
+    polls_.push_back(question(Query::build));
   }
   if (t < poll_t_) return;
   const bool hot = std::any_of(sensors_.begin(), sensors_.end(), [](const auto& sensor) {
@@ -116,14 +109,14 @@ void Driver::schedule_polls(double t) {
   });
   poll_t_ = t + (hot ? kPollHot_s : kPollCold_s);
   for (int tool = 0; tool < options_.machine.extruders; ++tool) {
-    polls_.push_back(tool_question(tool, ToolQuery::temperature, kTemperatureBytes));
-    polls_.push_back(tool_question(tool, ToolQuery::target, kTemperatureBytes));
+    polls_.push_back(tool_question(tool, ToolQuery::temperature));
+    polls_.push_back(tool_question(tool, ToolQuery::target));
   }
   if (options_.machine.heated_bed) {
-    polls_.push_back(tool_question(0, ToolQuery::bed_temperature, kTemperatureBytes));
-    polls_.push_back(tool_question(0, ToolQuery::bed_target, kTemperatureBytes));
+    polls_.push_back(tool_question(0, ToolQuery::bed_temperature));
+    polls_.push_back(tool_question(0, ToolQuery::bed_target));
   }
-  polls_.push_back({Payload(Query::board_status).bytes(), 2});
+  polls_.push_back(question(Query::board_status));
 }
 
 void Driver::on_answer(const Answer& answer, double t) {
@@ -143,19 +136,20 @@ void Driver::on_answer(const Answer& answer, double t) {
     return;
   }
   if (answer.code == ReplyCode::ok) on_status(answer, t);
-  if (answer.code != ReplyCode::ok && glance_step_ != 0 && query_of(answer) == Query::build) glance_step_ = 0;
+  if (answer.code != ReplyCode::ok && glance_step_ != 0 && query_of(answer.query) == Query::build)
+    glance_step_ = 0;
 }
 
 // What was said after the printer told of a cancel: it was one.
 void Driver::on_cancelled(const Answer& answer) {
-  if (query_of(answer) != Query::board_status) return;
+  if (query_of(answer.query) != Query::board_status) return;
   told_cancelled_ = false;
   emit(Message{"cancelled at the printer's panel"});
   drop_job(PrintCancelled{});
 }
 
 void Driver::on_status(const Answer& answer, double t) {
-  switch (query_of(answer)) {
+  switch (query_of(answer.query)) {
     case Query::tool:
       return on_tool_answer(answer);
     case Query::free_buffer:

@@ -14,18 +14,12 @@ constexpr int kMostFailures = 50;
 constexpr int kMostGlances = 8;
 /// Share of its nominal time that a byte takes at least: clocks differ by some percent.
 constexpr double kFastestWire = 0.9;
-constexpr std::size_t kPositionBytes = 1 + 4 * kAxes + 2;
-constexpr std::size_t kBuildBytes = 1 + 1 + 1 + 1 + 4 + 4;
 
 // A code that nobody knows is damage that the checksum does not show: one in 256 passes.
 bool means_try_again(ReplyCode code) {
   return code > ReplyCode::packet_timeout || code == ReplyCode::generic_error || code == ReplyCode::bad_crc ||
          code == ReplyCode::too_long || code == ReplyCode::packet_timeout || code == ReplyCode::tool_lock ||
          code == ReplyCode::downstream_timeout;
-}
-
-bool asks_tool(std::string_view query) {
-  return static_cast<unsigned char>(query[0]) == static_cast<unsigned char>(Query::tool);
 }
 
 }  // namespace
@@ -64,29 +58,27 @@ void Link::send(std::string_view payload, double t) {
   sent_t_ = t;
 }
 
-void Link::ask(std::string payload, std::size_t answer_bytes, double t) {
+void Link::ask(Question question, double t) {
   failures_ = 0;
   good_t_ = std::max(good_t_, t);
   aside_ = draining();
   step_ = Step::asking;
   why_ = Why::caller;
   once_ = false;
-  query_ = std::move(payload);
-  answer_bytes_ = answer_bytes;
-  send(query_, t);
+  query_ = std::move(question);
+  send(query_.payload, t);
 }
 
 void Link::ask_once(std::string payload, double t) {
-  ask(std::move(payload), 0, t);
+  ask({std::move(payload)}, t);
   once_ = true;
 }
 
-void Link::send_query(Query query, std::size_t answer_bytes, Why why, double t) {
+void Link::send_query(Query query, Why why, double t) {
   step_ = Step::asking;
   why_ = why;
-  query_ = Payload(query).bytes();
-  answer_bytes_ = answer_bytes;
-  send(query_, t);
+  query_ = question(query);
+  send(query_.payload, t);
 }
 
 void Link::act(Action action, double t) {
@@ -98,7 +90,7 @@ void Link::act(Action action, double t) {
 }
 
 void Link::begin_action(double t) {
-  if (unsure_) return send_query(Query::build, kBuildBytes, Why::cancel, t);
+  if (unsure_) return send_query(Query::build, Why::cancel, t);
   send_action(t);
 }
 
@@ -115,7 +107,7 @@ void Link::insist(std::string payload, double t) {
   owed_ = begun && (step_ == Step::asking || step_ == Step::acting);
   step_ = Step::insisting;
   aside_ = false;
-  query_ = std::move(payload);
+  query_ = {std::move(payload)};
   action_.reset();
   outcome_.reset();
   patient_until_ = t + timing_.insist_s;
@@ -123,7 +115,7 @@ void Link::insist(std::string payload, double t) {
 }
 
 void Link::say_again(double t) {
-  send(query_, t);
+  send(query_.payload, t);
   due_t_ = t + timing_.quiet_s;
 }
 
@@ -166,7 +158,7 @@ bool Link::is_copy(const Packet& packet, double t) {
   const std::size_t size = packet.payload.size();
   const auto bytes = static_cast<double>(packet_bytes_ + size + kFrameBytes);
   if (t >= sent_t_ + kFastestWire * timing_.byte_s * bytes) return false;
-  const bool fits = step_ == Step::asking && (answer_bytes_ == 0 || size == answer_bytes_);
+  const bool fits = step_ == Step::asking && (query_.answer_bytes == 0 || size == query_.answer_bytes);
   times_tell_ = !fits || failures_ > 0 || size <= 1 || size == last_bytes_;
   return times_tell_;
 }
@@ -198,12 +190,12 @@ void Link::on_insisted(const Packet& packet, double t) {
   if (std::exchange(owed_, false)) return say_again(t);
   if (!packet.good || packet.payload.size() != 1) return;
   const ReplyCode code = reply_code(packet.payload[0]);
-  if (code == ReplyCode::ok || code == ReplyCode::heater_failure) done(Answer{query_, {}, code});
+  if (code == ReplyCode::ok || code == ReplyCode::heater_failure) done(Answer{query_.payload, {}, code});
 }
 
 // A build cancelled long ago still says so.
 bool Link::notes_cancel(const std::string& data) {
-  if (query_ != Payload(Query::build).bytes() || data.empty()) return false;
+  if (query_of(query_.payload) != Query::build || data.empty()) return false;
   const auto state = static_cast<BuildState>(data[0]);
   const bool running =
       state == BuildState::running || state == BuildState::paused || state == BuildState::cancelling;
@@ -219,20 +211,20 @@ void Link::lost_reply() {
 
 void Link::on_query_reply(const std::string& payload, double t) {
   const ReplyCode code = reply_code(payload[0]);
-  if (code == ReplyCode::ok && (answer_bytes_ == 0 || payload.size() == answer_bytes_)) {
+  if (code == ReplyCode::ok && (query_.answer_bytes == 0 || payload.size() == query_.answer_bytes)) {
     failures_ = 0;
     const std::string data = payload.substr(1);
     const bool cancelled = notes_cancel(data);
-    if (why_ == Why::caller) return done(Answer{query_, data, code});
+    if (why_ == Why::caller) return done(Answer{query_.payload, data, code});
     if (cancelled) return done(Refused{*action_, ReplyCode::cancelled});
     return on_inner_answer(data, t);
   }
   // Of an earlier command, late.
   if (code == ReplyCode::ok || code == ReplyCode::overflow) return;
   // Of a tool's own silence the board tells undamaged.
-  const bool no_tool = code == ReplyCode::downstream_timeout && asks_tool(query_);
+  const bool no_tool = code == ReplyCode::downstream_timeout && query_of(query_.payload) == Query::tool;
   if (means_try_again(code) && !no_tool) return disturbed(t);
-  if (why_ == Why::caller) return done(Answer{query_, {}, code});
+  if (why_ == Why::caller) return done(Answer{query_.payload, {}, code});
   if (code == ReplyCode::unsupported && why_ == Why::line_before) return drain(t);
   if (code == ReplyCode::unsupported && why_ == Why::position) {
     in_doubt_ = true;
@@ -293,13 +285,13 @@ void Link::go_on(double t) {
   if (failures_ >= kMostFailures) return done(Dead{"the printer refuses one packet again and again"});
   ++resends_;
   if (!action_ || aside_) {
-    if (once_) return done(Answer{query_, {}, ReplyCode::generic_error});
+    if (once_) return done(Answer{query_.payload, {}, ReplyCode::generic_error});
     step_ = Step::asking;
-    return send(query_, t);
+    return send(query_.payload, t);
   }
-  if (why_ == Why::cancel) return send_query(Query::build, kBuildBytes, Why::cancel, t);
+  if (why_ == Why::cancel) return send_query(Query::build, Why::cancel, t);
   glances_ = 0;
-  send_query(Query::build, kBuildBytes, Why::line_before, t);
+  send_query(Query::build, Why::line_before, t);
 }
 
 void Link::on_inner_answer(const std::string& data, double t) {
@@ -308,20 +300,20 @@ void Link::on_inner_answer(const std::string& data, double t) {
       return send_action(t);
     case Why::line_before:
       glance_.line = little_endian(data, 3, 4);
-      return send_query(Query::free_buffer, 5, Why::free, t);
+      return send_query(Query::free_buffer, Why::free, t);
     case Why::free:
       glance_.free = little_endian(data, 0, 4);
-      return send_query(Query::build, kBuildBytes, Why::line_after, t);
+      return send_query(Query::build, Why::line_after, t);
     case Why::line_after: {
       const std::uint32_t line = little_endian(data, 3, 4);
       if (line == glance_.line) return judge(glance_, t);
       glance_.line = line;
       if (++glances_ >= kMostGlances) return drain(t);
-      return send_query(Query::free_buffer, 5, Why::free, t);
+      return send_query(Query::free_buffer, Why::free, t);
     }
     case Why::finished:
       position_.clear();
-      if (!data.empty() && data[0] == 1) return send_query(Query::position, kPositionBytes, Why::position, t);
+      if (!data.empty() && data[0] == 1) return send_query(Query::position, Why::position, t);
       step_ = Step::drain_wait;
       due_t_ = drain_t_ = t + timing_.drain_poll_s;
       return;
@@ -352,7 +344,7 @@ void Link::judge_position(const std::string& data, double t) {
   const bool after = stands_at(action_->after);
   // Neither may be damage that the checksum does not show: only what is said twice counts.
   if (!before && !after && std::exchange(position_, data) != data)
-    return send_query(Query::position, kPositionBytes, Why::position, t);
+    return send_query(Query::position, Why::position, t);
   if (before == after) {
     in_doubt_ = true;
     account_.lose_track();

@@ -5,6 +5,7 @@
 #include "firmware-io/s3g/account.h"
 #include "firmware-io/s3g/action.h"
 #include "firmware-io/s3g/packet.h"
+#include "firmware-io/s3g/question.h"
 
 #include <cstdint>
 #include <optional>
@@ -71,8 +72,8 @@ class Link {
   bool draining() const noexcept { return step_ == Step::drain_wait; }
   /// Only when draining: that command is forgotten, whatever became of it.
   void give_up();
-  /// Only when idle or draining. `answer_bytes`: of a good reply, its code included; 0: any.
-  void ask(std::string payload, std::size_t answer_bytes, double t);
+  /// Only when idle or draining.
+  void ask(Question question, double t);
   /// Not sent again when its reply is lost: for what is no question. Then the code is generic_error.
   void ask_once(std::string payload, double t);
   void act(Action action, double t);
@@ -104,7 +105,7 @@ class Link {
   enum class Why { caller, cancel, line_before, free, line_after, finished, position };
 
   void send(std::string_view payload, double t);
-  void send_query(Query query, std::size_t answer_bytes, Why why, double t);
+  void send_query(Query query, Why why, double t);
   void begin_action(double t);
   void send_action(double t);
   void on_packet(const Packet& packet, double t);
@@ -120,7 +121,7 @@ class Link {
   void go_on(double t);
   void judge(const Glance& glance, double t);
   void judge_position(const std::string& data, double t);
-  void drain(double t) { send_query(Query::finished, 2, Why::finished, t); }
+  void drain(double t) { send_query(Query::finished, Why::finished, t); }
   void settle(bool was_taken, double t);
   void done(Outcome outcome);
 
@@ -134,8 +135,7 @@ class Link {
 
   Step step_ = Step::idle;
   Why why_ = Why::caller;
-  std::string query_;  ///< under way
-  std::size_t answer_bytes_ = 0;
+  Question query_;  ///< under way
   std::optional<Action> action_;
   bool aside_ = false;  ///< the caller's query goes between two of the drain's own
   double drain_t_ = 0;

@@ -14,8 +14,6 @@ constexpr double kRestPoll_s = 0.02;
 constexpr double kHeatPoll_s = 0.25;
 /// So many asks at the beginning before the user is told what is waited for.
 constexpr int kPatientAsks = 250;
-constexpr std::size_t kBuildBytes = 12;
-constexpr std::size_t kPositionBytes = 1 + 4 * kAxes + 2;
 /// Query::stop: both the motors and the queue.
 constexpr std::uint8_t kStopAndClear = 3;
 
@@ -29,12 +27,6 @@ bool is_wait(const Action& action) {
 
 }  // namespace
 
-Question tool_question(int tool, ToolQuery query, std::size_t answer_bytes) {
-  Payload payload(Query::tool);
-  payload.u8(static_cast<std::uint8_t>(tool)).u8(static_cast<std::uint8_t>(query));
-  return {payload.bytes(), answer_bytes};
-}
-
 PrintJob::PrintJob(std::unique_ptr<LineSource> source, Encoder& encoder, Endings endings, Emit emit)
     : source_(std::move(source)), encoder_(encoder), endings_(std::move(endings)), emit_(std::move(emit)) {}
 
@@ -46,20 +38,20 @@ std::optional<Question> PrintJob::question(double t) {
     case Wait::none:
       return {};
     case Wait::rest:
-      return Question{Payload(Query::finished).bytes(), 2};
+      return s3g::question(Query::finished);
     case Wait::tool:
-      return tool_question(wait_tool_, ToolQuery::ready, 2);
+      return tool_question(wait_tool_, ToolQuery::ready);
     case Wait::bed:
-      return tool_question(0, ToolQuery::bed_ready, 2);
+      return tool_question(0, ToolQuery::bed_ready);
     case Wait::build:
-      return Question{Payload(Query::build).bytes(), kBuildBytes};
+      return s3g::question(Query::build);
     case Wait::board:
-      return Question{Payload(Query::board_status).bytes(), 2};
+      return s3g::question(Query::board_status);
     case Wait::stopped:
       return Question{Payload(Query::stop).u8(kStopAndClear).bytes(), 0};
     case Wait::extruders:
     case Wait::position:
-      return Question{Payload(Query::position).bytes(), kPositionBytes};
+      return s3g::question(Query::position);
   }
   return {};
 }
@@ -70,7 +62,7 @@ void PrintJob::on_answer(const Answer& answer, double t) {
   for (std::size_t i = 0; i < kAxes; ++i) {
     steps[i] = static_cast<std::int32_t>(little_endian(answer.data, 4 * i, 4));
   }
-  const auto query = static_cast<Query>(static_cast<unsigned char>(answer.query.at(0)));
+  const Query query = query_of(answer.query);
   const bool good = answer.code == ReplyCode::ok;
   if (held()) return;
   switch (wait_) {

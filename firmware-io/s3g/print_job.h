@@ -18,13 +18,6 @@ namespace voidpath::fw::s3g {
 /// Emits an event, stamped with the session clock's present time.
 using Emit = std::function<void(decltype(Event::what))>;
 
-/// A query and how long a good reply to it is, its code included; 0: any.
-struct Question {
-  std::string payload;
-  std::size_t answer_bytes = 0;
-};
-Question tool_question(int tool, ToolQuery query, std::size_t answer_bytes);
-
 /// One print: turns the source's lines into actions one after the other, and ends it, well or not. One
 /// thread.
 ///

@@ -41,7 +41,7 @@ struct Rig {
     return std::get<T>(*all);
   }
   void run_build() {
-    link.ask(kBuild, 12, t);
+    link.ask(question(Query::build), t);
     answer(build_is(BuildState::running));
     REQUIRE(outcome<Answer>());
     sent();
@@ -93,7 +93,7 @@ TEST_CASE("a copy of a reply is none, even after the next one was lost", "[s3g]"
 
 TEST_CASE("a reply that is no copy and comes early tells of a faster wire", "[s3g]") {
   Rig rig;
-  rig.link.ask(Rig::kFree, 5, rig.t);
+  rig.link.ask(question(Query::free_buffer), rig.t);
   rig.answer(Rig::kOk + std::string("\0\2\0\0", 4), kByte_s);
   REQUIRE(rig.outcome<Answer>());
   rig.link.act(fan(), rig.t);
@@ -105,7 +105,7 @@ TEST_CASE("a lost reply may have told of a cancel: nothing more is done before t
   for (const BuildState state : {BuildState::cancelled, BuildState::running}) {
     Rig rig;
     rig.run_build();
-    rig.link.ask(Rig::kFree, 5, rig.t);
+    rig.link.ask(question(Query::free_buffer), rig.t);
     rig.lose_reply();
     rig.answer(Rig::kOk + std::string("\0\2\0\0", 4));
     REQUIRE(rig.outcome<Answer>());
@@ -142,7 +142,7 @@ TEST_CASE("a command whose reply was lost is not said again in a build that was 
 
 TEST_CASE("who babbles and answers nothing is given up in time", "[s3g]") {
   Rig rig;
-  rig.link.ask(Rig::kFree, 5, rig.t);
+  rig.link.ask(question(Query::free_buffer), rig.t);
   rig.link.received(frame("\x83"), rig.t);
   while (!rig.outcome<Dead>()) {
     rig.t += 0.01;
@@ -190,7 +190,7 @@ TEST_CASE("a place where the motors cannot stand is asked for twice before it co
 TEST_CASE("a cancel takes its time, and its only word may be lost then", "[s3g]") {
   Rig rig;
   rig.run_build();
-  rig.link.ask(Rig::kBuild, 12, rig.t);
+  rig.link.ask(question(Query::build), rig.t);
   rig.answer(Rig::build_is(BuildState::cancelling));
   REQUIRE(rig.outcome<Answer>());
   rig.sent();
@@ -204,7 +204,7 @@ TEST_CASE("a cancel takes its time, and its only word may be lost then", "[s3g]"
 TEST_CASE("a build cancelled long ago stops no command", "[s3g]") {
   Rig rig;
   rig.run_build();
-  rig.link.ask(Rig::kBuild, 12, rig.t);
+  rig.link.ask(question(Query::build), rig.t);
   rig.answer(Rig::build_is(BuildState::cancelled));
   REQUIRE(rig.outcome<Answer>());
   rig.sent();
