@@ -149,15 +149,25 @@ void prepare_model(const PrepareTask& task, const config::JobOverrides& override
   result.slicer_messages = prepared.slicer_messages;
 }
 
-/// The file as the MakerBot's session would send it.
-void check_for_makerbot(const PrepareTask& task, const run::Context& ctx) {
+/// Reads the file as the printer's session would.
+void check_for_printer(const PrepareTask& task, const run::Context& ctx) {
+  const auto gcode = fw::open_gcode_file(task.gcode_out.string());
   try {
-    fw::s3g::check_file(*fw::open_gcode_file(task.gcode_out.string()), *task.s3g, ctx.stop);
+    fw::SourceLine line;
+    if (task.s3g) fw::s3g::check_file(*gcode, *task.s3g, ctx.stop);
+    while (!ctx.stop.stop_requested() && gcode->fetch(line)) continue;
   } catch (const fw::s3g::EncodeError& error) {
-    const bool ready = input_kind(task.input) == InputKind::gcode;
-    throw std::runtime_error(task.input.string() + (ready ? ": " : ", sliced: ") + error.what());
+    throw std::runtime_error(task.gcode_out.string() + ": " + error.what());
   }
   ctx.check();
+}
+
+/// Tells of the user's file where an error is of what was made of it.
+std::string in_users_file(const PrepareTask& task, std::string message) {
+  const std::string made = task.gcode_out.string();
+  if (!message.starts_with(made)) return message;
+  const bool ready = input_kind(task.input) == InputKind::gcode;
+  return message.replace(0, made.size(), task.input.string() + (ready ? "" : ", sliced"));
 }
 
 PrepareResult run_task(const PrepareTask& task, const run::Context& ctx) {
@@ -187,7 +197,7 @@ PrepareResult run_task(const PrepareTask& task, const run::Context& ctx) {
     with_line.limits.baud = task.printer.baud;
     prepare_model(task, overrides, with_line, ctx, result);
   }
-  if (task.s3g) check_for_makerbot(task, ctx);
+  check_for_printer(task, ctx);
   sync_to_disk(task.gcode_out);
   result.kind = PrepareResult::Kind::prepared;
   return result;
@@ -211,7 +221,7 @@ PrepareResult prepare_input(const PrepareTask& task, const run::Context& ctx) {
     result.kind = PrepareResult::Kind::stopped;
   } catch (const std::exception& error) {
     result.kind = unsettled(task) ? PrepareResult::Kind::unsettled : PrepareResult::Kind::failed;
-    result.message = error.what();
+    result.message = in_users_file(task, error.what());
     if (!identify(task.input)) result.message = task.input.string() + " is gone: it was removed or renamed";
   }
   std::error_code ignored;

@@ -66,7 +66,7 @@ TEST_CASE("what stood beside a file counts when it is tried again from another f
   CHECK(inbox.prepare("failed/a.gcode").copies == 2);
 }
 
-TEST_CASE("G-code that a MakerBot would refuse in mid-print fails before it is printed") {
+TEST_CASE("G-code that would be refused in mid-print fails before it is printed") {
   const voidpath::test::TempDir dir;
   const std::string good = "; by hand\nG28\nG1 X10 Y10 Z1 F1200\n";
   const auto prepare = [&](const std::string& text, bool makerbot = true) {
@@ -85,4 +85,13 @@ TEST_CASE("G-code that a MakerBot would refuse in mid-print fails before it is p
   CHECK(refused.message.starts_with((dir / "inbox/part.gcode").string() + ": line 4: G5 X1 Y1: "));
   CHECK_FALSE(std::filesystem::exists(dir / "state/1/print.gcode"));
   CHECK(prepare(good + "G5 X1 Y1\n", false).kind == PrepareResult::Kind::prepared);
+  for (const bool makerbot : {false, true}) {
+    const auto binary = prepare(good + std::string("G1 X2\0\n", 7), makerbot);
+    CHECK(binary.kind == PrepareResult::Kind::failed);
+    CHECK(binary.message.starts_with((dir / "inbox/part.gcode").string() + ": "));
+    const auto endless = prepare(good + "M92 " + std::string(300, 'X') + "\n", makerbot);
+    CHECK(endless.kind == PrepareResult::Kind::failed);
+    CHECK(
+        endless.message.starts_with((dir / "inbox/part.gcode").string() + ":4: a command of 304 characters"));
+  }
 }
