@@ -135,7 +135,7 @@ class Driver final : public Dialogue {
   bool build_known_ = false;  ///< asked since that was wanted
   double toggled_t_ = -1e9;
   BuildState build_ = BuildState::none;
-  std::uint32_t build_line_ = 0;
+  std::uint32_t build_line_ = 0, progress_line_ = 0;
   bool seen_running_ = false;  ///< the firmware has known of this print
   int glance_step_ = 0;        ///< of the three queries that make a Glance
   Glance glance_;

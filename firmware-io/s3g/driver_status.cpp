@@ -200,7 +200,9 @@ void Driver::on_build(const Answer& answer, double t) {
     glance_step_ = 0;
     if (line == glance_.line) link_.account().check(glance_);
   }
-  if (std::exchange(build_line_, line) != line) progress_t_ = t;
+  // Said once it may be damage that the checksum does not show.
+  if (std::exchange(build_line_, line) == line && std::exchange(progress_line_, line) != line)
+    progress_t_ = t;
   build_ = static_cast<BuildState>(little_endian(answer.data, 0, 1));
   build_known_ = true;
   if (!job_) return;
