@@ -14,6 +14,12 @@ namespace {
 
 constexpr double kByte_s = 10 / 115200.0;
 
+Action fan() {
+  Action action;
+  action.payload = Payload(Command::tool).u8(0).u8(13).u8(1).u8(1).bytes();
+  return action;
+}
+
 /// A link to which the test answers by hand.
 struct Rig {
   Rig() { link.restart(t); }
@@ -40,11 +46,18 @@ struct Rig {
     if (!all || !std::holds_alternative<T>(*all)) return {};
     return std::get<T>(*all);
   }
-  void run_build() {
+  void tell_build(BuildState state) {
     link.ask(question(Query::build), t);
-    answer(build_is(BuildState::running));
+    answer(build_is(state));
     REQUIRE(outcome<Answer>());
     sent();
+  }
+  /// A fan is switched on, and what the printer says to it never arrives.
+  void act_unheard() {
+    link.act(fan(), t);
+    REQUIRE(sent() == fan().payload);
+    lose_reply();
+    REQUIRE(sent() == kBuild);
   }
 
   static std::string build_is(BuildState state) {
@@ -53,6 +66,7 @@ struct Rig {
 
   inline static const std::string kOk = "\x81";
   inline static const std::string kBuild = Payload(Query::build).bytes();
+  inline static const std::string kEmpty = kOk + std::string("\0\2\0\0", 4);  ///< the queue
   inline static const std::string kFree = Payload(Query::free_buffer).bytes();
 
   FakeClock clock;
@@ -61,17 +75,11 @@ struct Rig {
   double t = 0;
 };
 
-Action fan() {
-  Action action;
-  action.payload = Payload(Command::tool).u8(0).u8(13).u8(1).u8(1).bytes();
-  return action;
-}
-
 }  // namespace
 
 TEST_CASE("a copy of a reply is none, even after the next one was lost", "[s3g]") {
   Rig rig;
-  rig.run_build();
+  rig.tell_build(BuildState::running);
   for (int i = 0; i < 5; ++i) {
     INFO(i);
     rig.link.act(fan(), rig.t);
@@ -82,7 +90,7 @@ TEST_CASE("a copy of a reply is none, even after the next one was lost", "[s3g]"
     REQUIRE(rig.sent() == Rig::kBuild);
     rig.answer(Rig::build_is(BuildState::running));
     REQUIRE(rig.sent() == Rig::kFree);
-    rig.answer(Rig::kOk + std::string("\0\2\0\0", 4));
+    rig.answer(Rig::kEmpty);
     REQUIRE(rig.sent() == Rig::kBuild);
     rig.answer(Rig::build_is(BuildState::running));
     REQUIRE(rig.sent() == fan().payload);
@@ -94,7 +102,7 @@ TEST_CASE("a copy of a reply is none, even after the next one was lost", "[s3g]"
 TEST_CASE("a reply that is no copy and comes early tells of a faster wire", "[s3g]") {
   Rig rig;
   rig.link.ask(question(Query::free_buffer), rig.t);
-  rig.answer(Rig::kOk + std::string("\0\2\0\0", 4), kByte_s);
+  rig.answer(Rig::kEmpty, kByte_s);
   REQUIRE(rig.outcome<Answer>());
   rig.link.act(fan(), rig.t);
   rig.answer(Rig::kOk, kByte_s);
@@ -104,10 +112,10 @@ TEST_CASE("a reply that is no copy and comes early tells of a faster wire", "[s3
 TEST_CASE("a lost reply may have told of a cancel: nothing more is done before that is known", "[s3g]") {
   for (const BuildState state : {BuildState::cancelled, BuildState::running}) {
     Rig rig;
-    rig.run_build();
+    rig.tell_build(BuildState::running);
     rig.link.ask(question(Query::free_buffer), rig.t);
     rig.lose_reply();
-    rig.answer(Rig::kOk + std::string("\0\2\0\0", 4));
+    rig.answer(Rig::kEmpty);
     REQUIRE(rig.outcome<Answer>());
     rig.sent();
     rig.link.act(fan(), rig.t);
@@ -130,10 +138,8 @@ TEST_CASE("a lost reply may have told of a cancel: nothing more is done before t
 
 TEST_CASE("a command whose reply was lost is not said again in a build that was cancelled", "[s3g]") {
   Rig rig;
-  rig.run_build();
-  rig.link.act(fan(), rig.t);
-  rig.lose_reply();
-  REQUIRE(rig.sent() == Rig::kBuild);
+  rig.tell_build(BuildState::running);
+  rig.act_unheard();
   rig.answer(Rig::build_is(BuildState::cancelled));
   const auto refused = rig.outcome<Refused>();
   REQUIRE(refused);
@@ -162,7 +168,7 @@ TEST_CASE("a place where the motors cannot stand is asked for twice before it co
     rig.link.act(push, rig.t);
     rig.lose_reply();
     rig.answer(Rig::build_is(BuildState::running));
-    rig.answer(Rig::kOk + std::string("\0\2\0\0", 4));
+    rig.answer(Rig::kEmpty);
     rig.answer(Rig::build_is(BuildState::running));
     rig.answer(Rig::kOk + "\1");
     const std::string where = Payload(Query::position).bytes();
@@ -189,28 +195,18 @@ TEST_CASE("a place where the motors cannot stand is asked for twice before it co
 
 TEST_CASE("a cancel takes its time, and its only word may be lost then", "[s3g]") {
   Rig rig;
-  rig.run_build();
-  rig.link.ask(question(Query::build), rig.t);
-  rig.answer(Rig::build_is(BuildState::cancelling));
-  REQUIRE(rig.outcome<Answer>());
-  rig.sent();
-  rig.link.act(fan(), rig.t);
-  rig.lose_reply();
-  REQUIRE(rig.sent() == Rig::kBuild);
+  rig.tell_build(BuildState::running);
+  rig.tell_build(BuildState::cancelling);
+  rig.act_unheard();
   rig.answer(Rig::build_is(BuildState::cancelled));
   CHECK(rig.outcome<Refused>());
 }
 
 TEST_CASE("a build cancelled long ago stops no command", "[s3g]") {
   Rig rig;
-  rig.run_build();
-  rig.link.ask(question(Query::build), rig.t);
-  rig.answer(Rig::build_is(BuildState::cancelled));
-  REQUIRE(rig.outcome<Answer>());
-  rig.sent();
-  rig.link.act(fan(), rig.t);
-  REQUIRE(rig.sent() == fan().payload);
-  rig.lose_reply();
+  rig.tell_build(BuildState::running);
+  rig.tell_build(BuildState::cancelled);
+  rig.act_unheard();
   rig.answer(Rig::build_is(BuildState::cancelled));
   CHECK(rig.sent() == Rig::kFree);
 }
