@@ -130,7 +130,8 @@ class Session final : public PrinterPort {
       flush_quietly();
       due_ = dialogue_->deadline();
     }
-    return !transport_ || dialogue_->finished() || now() >= stop_at;
+    if (now() >= stop_at) return true;
+    return halt_.load() == nullptr && (!transport_ || dialogue_->finished());
   }
 
   void reopen() {

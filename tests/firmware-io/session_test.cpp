@@ -1,15 +1,18 @@
 #include "firmware-io/marlin/session.h"
 
+#include "firmware-io/session.h"
 #include "firmware-io/transport/fd_transport.h"
 #include "firmware-io/transport/loopback.h"
 #include "tests/firmware-io/driver_bench.h"
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <mutex>
 #include <thread>
 
@@ -228,6 +231,54 @@ struct Rig {
   std::unique_ptr<PrinterPort> port;  ///< last: its thread uses all above
 };
 
+/// Closes the port whenever it is told to halt.
+struct Halter final : Dialogue {
+  struct Script {
+    std::function<void()> opened = [] {}, shut_down = [] {};
+    std::atomic<int> halts{0};
+  };
+  explicit Halter(Script& s) : script(s) {}
+  void opened(double /*t*/) override {
+    closed = false;
+    script.opened();
+  }
+  void halt(const std::string& /*reason*/, double /*t*/) override {
+    closed = true;
+    ++script.halts;
+  }
+  void shut_down(double /*t*/) override { script.shut_down(); }
+  bool closing() const noexcept override { return closed; }
+  bool finished() const noexcept override { return true; }
+  double deadline() const noexcept override { return 1e300; }
+  std::string& output() noexcept override { return out; }
+  bool take_urgent() noexcept override { return false; }
+  void received(std::string_view /*bytes*/, double /*t*/) override {}
+  void elapsed(double /*t*/) override {}
+  void lost(const std::string& /*reason*/) override {}
+  void print(std::unique_ptr<LineSource> /*source*/, double /*t*/) override {}
+  void pause() override {}
+  void resume(double /*t*/) override {}
+  void cancel(const std::string& /*reason*/, double /*t*/) override {}
+  void command(const std::string& /*text*/, double /*t*/) override {}
+
+  Script& script;
+  bool closed = false;
+  std::string out;
+};
+
+/// Behind it there are loopbacks without a printer.
+std::unique_ptr<PrinterPort> halter_session(Halter::Script& script, std::vector<Loopback>& opened) {
+  const auto open = [&opened] {
+    opened.push_back(make_loopback());
+    return std::move(opened.back().host);
+  };
+  const auto make = [&script](const Clock&, FlightRecorder&, const PrinterPort::Handler&) {
+    return std::make_unique<Halter>(script);
+  };
+  return start_session(
+      {.reconnect_s = 0.001}, open, steady_clock(), [](const Event&) {}, make);
+}
+
 Lines printed(Peer& peer) {
   Lines out = peer.executed();
   std::erase_if(out, [](const std::string& line) {
@@ -416,4 +467,18 @@ TEST_CASE("an emergency stop that was heard is not said to the next printer", "[
   REQUIRE(rig.printer_dies());
   REQUIRE(rig.reopened());
   REQUIRE(rig.listener.wait_for<Connected>(2));
+}
+
+TEST_CASE("an emergency stop that comes while its session ends still goes out", "[session]") {
+  Halter::Script script;
+  std::vector<Loopback> loopbacks;
+  std::promise<void> opened;
+  PrinterPort* stopped = nullptr;
+  script.opened = [&] { opened.set_value(); };
+  script.shut_down = [&] { stopped->halt("button"); };
+  auto port = halter_session(script, loopbacks);
+  stopped = port.get();
+  REQUIRE(opened.get_future().wait_for(kPatience) == std::future_status::ready);
+  port.reset();
+  CHECK(script.halts == 1);
 }
