@@ -29,6 +29,8 @@ class Dialogue {
   virtual void resume(double t) = 0;
   virtual void cancel(const std::string& reason, double t) = 0;
   virtual void halt(const std::string& reason, double t) = 0;
+  /// Since opened(): the printer has answered to it.
+  virtual bool halt_heard() const noexcept = 0;
   virtual void command(const std::string& text, double t) = 0;
   /// Ends a print with the heaters first. Afterwards finished() tells when that is through, and an emergency
   /// stop heard.

@@ -44,8 +44,8 @@ class PrinterPort {
   virtual void resume() = 0;
   /// Ends the print: stops feeding, runs cancel_gcode, heaters and fan off, motors free.
   virtual void cancel(std::string reason) = 0;
-  /// Emergency: M112, or what S3G has for it, ahead of everything queued. Waits on no lock. Where the port is
-  /// gone, or goes before the printer has had time to hear, it is the first that goes out when it is back.
+  /// Emergency: M112, or what S3G has for it, ahead of everything queued. Waits on no lock. Until the printer
+  /// has answered to it, it is the first that goes out whenever the port is opened again.
   virtual void halt(std::string reason) = 0;
   /// Not that: a person has seen to the printer.
   virtual void forget_halt() = 0;

@@ -148,7 +148,7 @@ class Session final : public PrinterPort {
   // An empty reason: the driver itself gave up and has said why.
   void close_port(const std::string& reason) {
     if (!reason.empty()) dialogue_->lost(reason);
-    if (reason.empty()) halt_owed_.reset();
+    if (transport_ && dialogue_->halt_heard()) halt_owed_.reset();
     flush_quietly();
     transport_.reset();
     reopen_at_ = now() + timing_.reconnect_s;
@@ -239,7 +239,7 @@ class Session final : public PrinterPort {
   std::unique_ptr<Transport> transport_;
   double reopen_at_ = 0;
   double due_ = 0;  ///< the dialogue's deadline
-  /// The reason of a halt of which the printer may not have heard.
+  /// The reason of a halt that the printer has not answered to.
   std::optional<std::string> halt_owed_;
 
   std::atomic<std::string*> halt_{nullptr};  ///< the reason of a halt not yet carried out; owned

@@ -82,6 +82,7 @@ void Driver::dispatch(const std::string& line, double t) {
     emit(Message{line});
     const auto* error = std::get_if<Error>(&reply);
     if ((error != nullptr && error->kind == Error::Kind::fatal) || std::holds_alternative<Start>(reply)) {
+      halt_heard_ = true;
       halting_until_ = t;
       enter(Phase::halted, t + kLastWords_s);
     }

@@ -57,6 +57,7 @@ class Driver final : public Dialogue {
   void resume(double t) override;
   void cancel(const std::string& reason, double t) override;
   void halt(const std::string& reason, double t) override;
+  bool halt_heard() const noexcept override { return halt_heard_; }
   void command(const std::string& text, double t) override;
   void shut_down(double t) override;
   bool finished() const noexcept override { return phase_ == Phase::closed || (!job_ && !still_halting()); }
@@ -129,6 +130,7 @@ class Driver final : public Dialogue {
   bool autoreport_ = false;  ///< it tells its temperatures by itself
   Phase phase_ = Phase::closed;
   double phase_deadline_ = 0;
+  bool halt_heard_ = false;
   double halting_until_ = 0;  ///< phase halted: M112 is repeated until then, or until it was heard
   bool start_seen_ = false;
   int greetings_ = 0;

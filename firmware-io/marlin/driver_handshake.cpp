@@ -42,7 +42,7 @@ void Driver::opened(double t) {
   link_.restart(0);
   forget_dialogue();
   link_.forget_packing();
-  start_seen_ = false;
+  start_seen_ = halt_heard_ = false;
   greetings_ = 0;
   received_t_ = t;
   enter(Phase::booting, t + options_.handshake.boot_wait_s);

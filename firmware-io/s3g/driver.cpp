@@ -134,6 +134,7 @@ void Driver::on_refused(const Refused& refused) {
 
 void Driver::on_dead(const Dead& dead, double t) {
   if (phase_ == Phase::halted) {
+    if (t < greeting_until_) return link_.insist(Payload(Query::abort).bytes(), t);  // it may still boot
     phase_ = Phase::closed;
     return;
   }

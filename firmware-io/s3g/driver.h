@@ -44,6 +44,7 @@ class Driver final : public Dialogue {
   void resume(double t) override;
   void cancel(const std::string& reason, double t) override;
   void halt(const std::string& reason, double t) override;
+  bool halt_heard() const noexcept override { return halt_heard_; }
   void command(const std::string& text, double t) override;
   void shut_down(double t) override;
   bool finished() const noexcept override {
@@ -126,6 +127,7 @@ class Driver final : public Dialogue {
   std::map<std::string, Temperature> sensors_;
   std::string last_loss_;
   bool connected_ = false;
+  bool halt_heard_ = false;
   bool told_cancelled_ = false;  ///< by the printer, which says so as well before it owns up to dead heaters
   double poll_t_ = 0, build_t_ = 0, stats_t_ = 0, glance_t_ = 0;
   double progress_t_ = 0;  ///< when a command was accepted or begun, or might not be

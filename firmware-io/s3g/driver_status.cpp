@@ -43,6 +43,7 @@ void Driver::opened(double t) {
   firmware_.extruders = options_.machine.extruders;
   sensors_.clear();
   build_ = BuildState::none;
+  halt_heard_ = false;
   phase_ = Phase::greeting;
   greeting_since(t);
   phase_deadline_ = t;
@@ -122,7 +123,10 @@ void Driver::schedule_polls(double t) {
 void Driver::on_answer(const Answer& answer, double t) {
   if (phase_ == Phase::greeting || phase_ == Phase::identifying) return on_identity(answer, t);
   if (phase_ == Phase::aborting) return on_aborted(answer.code, t);
-  if (phase_ == Phase::halted) phase_ = Phase::closed;
+  if (phase_ == Phase::halted) {
+    halt_heard_ = true;
+    phase_ = Phase::closed;
+  }
   if (phase_ != Phase::ready) return;
   if (answer.code == ReplyCode::heater_failure) return on_refused({{}, answer.code});
   if (job_ && tells_of_heater_failure(answer)) return drop_job(PrintFailed{kHeatersShut});

@@ -209,6 +209,7 @@ TEST_CASE("a printer that falls silent is noticed and the print failed", "[drive
   CHECK(bench.get<PrintFailed>().reason == "the printer no longer answers");
   CHECK(bench.get<Disconnected>().reason == "the printer no longer answers");
   REQUIRE(bench.run_until([&] { return bench.driver.closing(); }, 20));
+  CHECK_FALSE(bench.driver.halt_heard());
 }
 
 TEST_CASE("a printer that is given up is told M112 until it has room for it", "[driver]") {
@@ -228,6 +229,9 @@ TEST_CASE("a printer that is given up is told M112 until it has room for it", "[
   CHECK(bench.firmware.dead);
   REQUIRE(bench.run_until([&] { return bench.driver.closing(); }, 5));
   CHECK(said == 8);  // each time without a number and with one
+  CHECK(bench.driver.halt_heard());
+  bench.driver.opened(bench.t);
+  CHECK_FALSE(bench.driver.halt_heard());
 }
 
 TEST_CASE("a long command with busy, and one in silence, are waited for", "[driver]") {

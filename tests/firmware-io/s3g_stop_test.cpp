@@ -253,6 +253,19 @@ TEST_CASE("the emergency stop is heard when a packet's rest was lost", "[s3g]") 
   CHECK(bench.t - asked < 0.3);
 }
 
+TEST_CASE("the emergency stop is said to a printer that still boots until it hears", "[s3g]") {
+  mock::S3gOptions booting = real_wire();
+  booting.boot_s = GENERATE(5.0, 1e9);
+  S3gBench bench(booting);
+  bench.driver.halt("button", bench.t);
+  REQUIRE(bench.run_until([&] { return bench.driver.closing(); }, 20));
+  const bool boots = booting.boot_s < 20;
+  CHECK((bench.mock.aborts() > 0) == boots);
+  CHECK(bench.driver.halt_heard() == boots);
+  bench.driver.opened(bench.t);
+  CHECK_FALSE(bench.driver.halt_heard());
+}
+
 TEST_CASE("a session does not end before its emergency stop has been heard", "[s3g][session]") {
   Loopback loopback = make_loopback();
   HardOfHearing printer(std::move(loopback.device), 2);

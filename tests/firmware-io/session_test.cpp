@@ -235,21 +235,23 @@ struct Rig {
 struct Halter final : Dialogue {
   struct Script {
     std::function<void()> opened = [] {}, shut_down = [] {};
+    int unheard = 0;  ///< so many halts the printer does not hear
     std::atomic<int> halts{0};
   };
   explicit Halter(Script& s) : script(s) {}
   void opened(double /*t*/) override {
-    closed = false;
+    closed = heard = false;
     script.opened();
   }
   void halt(const std::string& /*reason*/, double /*t*/) override {
     closed = true;
-    ++script.halts;
+    heard = ++script.halts > script.unheard;
   }
   void shut_down(double /*t*/) override { script.shut_down(); }
+  bool halt_heard() const noexcept override { return heard; }
   bool closing() const noexcept override { return closed; }
   bool finished() const noexcept override { return true; }
-  double deadline() const noexcept override { return 1e300; }
+  double deadline() const noexcept override { return closed ? 0 : 1e300; }
   std::string& output() noexcept override { return out; }
   bool take_urgent() noexcept override { return false; }
   void received(std::string_view /*bytes*/, double /*t*/) override {}
@@ -262,7 +264,7 @@ struct Halter final : Dialogue {
   void command(const std::string& /*text*/, double /*t*/) override {}
 
   Script& script;
-  bool closed = false;
+  bool closed = false, heard = false;
   std::string out;
 };
 
@@ -481,4 +483,22 @@ TEST_CASE("an emergency stop that comes while its session ends still goes out", 
   REQUIRE(opened.get_future().wait_for(kPatience) == std::future_status::ready);
   port.reset();
   CHECK(script.halts == 1);
+}
+
+TEST_CASE("an emergency stop is said anew at each opening until the printer has heard it", "[session]") {
+  Halter::Script script;
+  script.unheard = 1;
+  std::vector<Loopback> loopbacks;
+  std::promise<void> opened, opened_again;
+  int openings = 0;
+  script.opened = [&] {
+    if (++openings == 1) opened.set_value();
+    if (openings == 3) opened_again.set_value();
+  };
+  auto port = halter_session(script, loopbacks);
+  REQUIRE(opened.get_future().wait_for(kPatience) == std::future_status::ready);
+  port->halt("button");
+  REQUIRE(opened_again.get_future().wait_for(kPatience) == std::future_status::ready);
+  port.reset();
+  CHECK(script.halts == 2);
 }
