@@ -78,7 +78,8 @@ void Encoder::set_stand(const std::array<std::int32_t, kAxes>& steps) {
   state_.stand = {steps, kAllAxes};
   for (std::size_t i = 0; i < 3; ++i) state_.position_mm[i] = steps[i] / machine_.steps_per_mm[i];
   state_.remainder = {};
-  state_.tool_told = true;  // a place of the tool the firmware has
+  state_.tool_told = false;  // it may not have come to that
+  state_.keeps_tool = true;
 }
 
 void Encoder::note(const std::string& text) {
@@ -377,7 +378,7 @@ void Encoder::change_tool(int tool) {
   require_tool(tool);
   if (tool == state_.tool && (state_.tool_told || machine_.extruders < 2)) return;
   state_.tool = tool;
-  state_.tool_told = false;
+  state_.tool_told = state_.keeps_tool = false;
   tell_tool();
   // The firmware adds the tool's offset to the next move: an unaccelerated one to the same place takes it.
   if ((state_.stand.known & kXyz) == kXyz) move_unknown(state_.stand);
@@ -385,7 +386,7 @@ void Encoder::change_tool(int tool) {
 
 // Before the first place of a print, which is meant for this tool.
 void Encoder::tell_tool() {
-  if (std::exchange(state_.tool_told, true) || machine_.extruders < 2) return;
+  if (state_.keeps_tool || machine_.extruders < 2 || std::exchange(state_.tool_told, true)) return;
   act(Payload(Command::change_tool).u8(static_cast<std::uint8_t>(state_.tool)));
 }
 

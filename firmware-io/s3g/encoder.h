@@ -75,7 +75,8 @@ class Encoder {
     double unit_mm = 1;
     double speed_ratio = 1, flow_ratio = 1;
     int tool = 0;
-    bool tool_told = false;  ///< to the firmware, which keeps the one it had
+    bool tool_told = false;   ///< to the firmware, which keeps the one it had
+    bool keeps_tool = false;  ///< until one is named: where it stands was told for the one it has
     bool relative = false, relative_e = false;
     bool build_started = false;
   };

@@ -275,6 +275,15 @@ TEST_CASE("of two tools the firmware is told which one a place is meant for, onc
   Rig rig(dual());
   rig.encoder.set_stand({});
   CHECK(rig.run({"G91", "G1 Z5"}).size() == 1);
+  // Which one that is nobody knows who has not told it.
+  const auto change = rig.run({"T0"});
+  REQUIRE(change.size() == 2);
+  CHECK(hex(change[0].payload) == "86 00");
+  CHECK(rig.run({"T0"}).empty());
+  // Nor who told it in a command that may never have been come to.
+  rig.run({"T1"});
+  rig.encoder.set_stand({});
+  CHECK(hex(rig.run({"T1"}).at(0).payload) == "86 01");
 }
 
 TEST_CASE("what cannot be done is refused, what does not matter is left out with a note, once", "[s3g]") {
