@@ -24,8 +24,8 @@ struct PortOptions {
   double boot_wait_s = 3;           ///< how long to wait for "start" after opening
   double reconnect_s = 2;           ///< how often a missing port is tried again
   std::optional<s3g::Machine> s3g;  ///< of a MakerBot; empty: Marlin
-  /// Sent after a cancel, before heaters off (lift, park), written as in a file; by a MakerBot also when a
-  /// print fails on its file.
+  /// Sent after a cancel, before heaters off (lift, park), written as in a file, in millimetres; by a
+  /// MakerBot also when a print fails on its file.
   std::vector<std::string> cancel_gcode;
 };
 

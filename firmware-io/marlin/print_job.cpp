@@ -23,13 +23,23 @@ struct Meaning {
   bool heats = false;
   bool is_long = false;
   bool holds_back = false;
+  int unit = 0;  ///< 20: inches from here on, 21: millimetres
 };
+
+int unit_of(std::string_view text) {
+  const Word word = first_word(text);
+  return word == Word{'G', 20} || word == Word{'G', 21} ? word.number : 0;
+}
 
 Meaning meaning_of(std::string_view text) {
   // Nearly every line is a plain move.
   if (text.starts_with("G1 ") || text.starts_with("G0 ")) return {};
-  return {is_pause(text), sets_keepalive(text), is_heating_wait(text), is_long(text),
-          is_homing(text) || may_wait_for_person(text) || is_macro(text)};
+  return {is_pause(text),
+          sets_keepalive(text),
+          is_heating_wait(text),
+          is_long(text),
+          is_homing(text) || may_wait_for_person(text) || is_macro(text),
+          unit_of(text)};
 }
 
 }  // namespace
@@ -88,6 +98,7 @@ PrintJob::Step PrintJob::feed_line(Link& link, double t) {
                 meaning.heats,   meaning.is_long, meaning.holds_back};
   link.send(text, tag, t);
   is_pending_ = false;
+  if (meaning.unit != 0) inches_ = meaning.unit == 20;
   note_sent(tag, text);
   return Step::sent;
 }
@@ -182,6 +193,7 @@ void PrintJob::end(const std::vector<std::string>& lines, decltype(Event::what) 
   if (state_ == State::ending || state_ == State::over) return;
   state_ = State::ending;
   if (heating_) link.send_raw("M108", true, t);  // else the wait would go on for minutes
+  if (inches_) queue_ending("G21");              // in which `lines` are written
   for (const std::string& text : lines)
     for (const std::string_view line : lines_of(text)) queue_ending(line);
   ending_unacknowledged_ = ending_lines_.size();

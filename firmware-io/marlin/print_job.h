@@ -41,8 +41,8 @@ class PrintJob {
 
   void pause(bool by_printer, const std::string& reason);
   void resume();
-  /// Ends the file here and sends `lines` instead, written as in a file; `outcome` is emitted when they are
-  /// acknowledged. A second call changes nothing.
+  /// Ends the file here and sends `lines` instead, written as in a file, in millimetres; `outcome` is emitted
+  /// when they are acknowledged. A second call changes nothing.
   void end(const std::vector<std::string>& lines, decltype(Event::what) outcome, Link& link, double t);
 
   bool over() const noexcept { return state_ == State::over; }
@@ -80,6 +80,7 @@ class PrintJob {
   bool started_ = false;
   bool heating_ = false;      ///< a heating wait is out
   bool held_back_ = false;    ///< by a homing, a probing, a macro or a wait for a person that is out
+  bool inches_ = false;       ///< the file's unit, as far as it was sent
   bool motion_armed_ = true;  ///< no motion since the start or the last heating wait
   std::deque<std::string> ending_lines_;
   std::size_t ending_unacknowledged_ = 0;

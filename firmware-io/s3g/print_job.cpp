@@ -296,6 +296,7 @@ void PrintJob::queue_ending(std::string_view line) {
 
 void PrintJob::queue_endings() {
   state_ = State::ending;
+  queue_ending("G21");  // whatever the file's unit was
   for (const std::string& text : ending_lines_)
     for (const std::string_view line : lines_of(text)) queue_ending(line);
   if (encoder_.build_started()) pending_.push_back(encoder_.build_end());

@@ -184,6 +184,26 @@ TEST_CASE("cancel ends with lift, heaters, fan and motors, in this order", "[dri
   CHECK(Lines(printed.end() - static_cast<std::ptrdiff_t>(end.size()), printed.end()) == end);
 }
 
+TEST_CASE("a print in inches ends in millimetres", "[driver]") {
+  const auto [last, ends_in] =
+      GENERATE(std::pair(Lines{"G20"}, Lines{"G21"}), std::pair(Lines{"G20", "G21"}, Lines{}));
+  const bool stops = GENERATE(false, true);
+  marlin::DriverOptions options;
+  options.cancel_gcode = {"G91", "G1 Z5"};
+  DriverBench bench({}, options);
+  REQUIRE(bench.connect());
+  bench.print(last + moves(500));
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() == 20; }));
+  stops ? bench.driver.shut_down(bench.t) : bench.driver.cancel("", bench.t);
+  REQUIRE(bench.run_until([&] { return over(bench); }));
+  const Lines off{"M104 S0", "M140 S0", "M107"}, lift{"G91", "G1 Z5"};
+  const Lines wanted = ends_in + (stops ? off + lift : lift + off) + Lines{"M84"};
+  const Lines printed = bench.printed();
+  REQUIRE(printed.size() > wanted.size() + 20);
+  CHECK(Lines(printed.end() - static_cast<std::ptrdiff_t>(wanted.size()), printed.end()) == wanted);
+  CHECK(std::count(printed.begin() + 2, printed.end(), "G21") == static_cast<int>(ends_in.size()));
+}
+
 TEST_CASE("lines for a cancel may be written as in a file", "[driver]") {
   marlin::DriverOptions options;
   options.cancel_gcode = {"; lift first",

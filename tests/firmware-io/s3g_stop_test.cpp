@@ -82,11 +82,14 @@ TEST_CASE("a cancel at the panel cancels", "[s3g]") {
 }
 
 TEST_CASE("a cancel by the user stops at once, cools down, lifts", "[s3g]") {
+  const bool inches = GENERATE(false, true);
   s3g::DriverOptions options;
   options.cancel_gcode = {"G91\nG1 Z5 F600", "G90"};
   S3gBench bench(real_wire(), options);
   REQUIRE(bench.connect());
-  REQUIRE(bench.print_into(kStart + moves(300) + kEnd, 100));
+  const Lines file =
+      inches ? Lines{"G92 X0 Y0 Z10", "G20"} + Lines(200, "G4 P100") : kStart + moves(300) + kEnd;
+  REQUIRE(bench.print_into(file, inches ? 5 : 100));
   const double asked = bench.t;
   bench.driver.cancel("user", bench.t);
   REQUIRE(bench.run_until([&] { return bench.over(); }, 30));
