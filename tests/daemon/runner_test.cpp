@@ -101,6 +101,20 @@ TEST_CASE("after a print that was cut off every heater of the printer is turned 
     CHECK(rig.printer.count("command " + std::string(line)) == 1);
 }
 
+TEST_CASE("a Klipper, which does not say how many hotends it has, turns all off after a cut-off print") {
+  RunnerRig rig(true);
+  rig.connect();
+  rig.drop("a.stl");
+  REQUIRE(rig.reaches("a.stl", State::heating));
+  rig.restart();
+  rig.printer.calls.clear();
+  fw::FirmwareInfo klipper;
+  klipper.name = "Klipper";
+  rig.printer.say(fw::Connected{klipper});
+  rig.loop.run();
+  CHECK(rig.printer.count("command TURN_OFF_HEATERS") == 1);
+}
+
 TEST_CASE("nothing starts while the printer is not connected") {
   RunnerRig rig(true);
   rig.drop("a.stl");

@@ -189,6 +189,8 @@ TEST_CASE("a Klipper whose paused print is cancelled can pause the next one", "[
   rig.bench.driver.cancel("", rig.bench.t());
   REQUIRE(rig.bench.run_until([&] { return rig.bench.over(); }));
   CHECK(rig.bench.count<PrintCancelled>() == 1);
+  CHECK(rig.said("TURN_OFF_HEATERS") == 1);
+  CHECK(rig.bench.printer.statistics().unknown == 0);
   rig.bench.print(rig.file);
   REQUIRE(rig.bench.run_until([&] { return rig.bench.count<Paused>() == 2; }));
 }

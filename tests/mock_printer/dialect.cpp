@@ -163,6 +163,7 @@ Dialect klipper() {
                 "PAUSE",
                 "RESUME",
                 "CLEAR_PAUSE",
+                "TURN_OFF_HEATERS",
                 "START_PRINT",
                 "BED_MESH_CALIBRATE",
                 "QUAD_GANTRY_LEVEL"};

@@ -272,6 +272,11 @@ bool MockMarlin::execute_macro(const Command& c) {
     parked_ = false;
     return true;
   }
+  if (c.text() == "TURN_OFF_HEATERS") {
+    hotend_.set_target(now_, 0);
+    bed_.set_target(now_, 0);
+    return true;
+  }
   if (c.text() == "QUAD_GANTRY_LEVEL") {
     tasks_.push_back({.kind = Task::Kind::kDwell, .seconds = options_.leveling_s});
     return true;
