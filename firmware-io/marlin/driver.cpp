@@ -123,7 +123,7 @@ void Driver::pump(double t) {
     const std::string line = std::move(controls_.front());
     controls_.pop_front();
     if (sets_keepalive(line)) link_.forget_busy();
-    const Tag::Kind kind = line == kResume ? Tag::Kind::resume : Tag::Kind::control;
+    const Tag::Kind kind = parked_ && line == parked_->resume ? Tag::Kind::resume : Tag::Kind::control;
     link_.send(line, {.kind = kind, .is_long = is_long(line)}, t);
   }
   if (job_ && queries_unanswered_ == 0) job_->feed(link_, t);

@@ -7,6 +7,7 @@
 #include "firmware-io/marlin/link.h"
 #include "firmware-io/marlin/print_job.h"
 #include "firmware-io/marlin/settings.h"
+#include "firmware-io/marlin/words.h"
 
 #include <deque>
 #include <functional>
@@ -150,12 +151,12 @@ class Driver final : public Dialogue {
   LinkStats before_print_;  ///< the link's counters when the print began
   std::uint64_t doubtful_seen_ = 0;
   std::uint64_t nameless_seen_ = 0;
-  std::uint64_t odd_commands_ = 0;  ///< never sent, or beyond reason: damage that no checksum showed
-  bool printer_waits_ = false;      ///< it said so; paused until its next ok
-  bool panel_waits_ = false;        ///< it waits for a person, whoever paused the print
-  bool parked_ = false;             ///< Klipper has left the print's place, and reads on
-  bool unparking_ = false;          ///< it was told to go back
-  std::string prompt_;              ///< a question as far as it was heard
+  std::uint64_t odd_commands_ = 0;   ///< never sent, or beyond reason: damage that no checksum showed
+  bool printer_waits_ = false;       ///< it said so; paused until its next ok
+  bool panel_waits_ = false;         ///< it waits for a person, whoever paused the print
+  const Parking* parked_ = nullptr;  ///< it has left the print's place, and reads on
+  bool unparking_ = false;           ///< it was told to go back
+  std::string prompt_;               ///< a question as far as it was heard
   int prompt_choices_ = 0;
 };
 

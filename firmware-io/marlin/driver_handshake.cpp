@@ -55,7 +55,8 @@ void Driver::forget_dialogue() {
   repacking_until_ = rest_until_ = 0;
   settings_ = {};
   firmware_ = {};
-  autoreport_ = printer_waits_ = panel_waits_ = parked_ = unparking_ = false;
+  autoreport_ = printer_waits_ = panel_waits_ = unparking_ = false;
+  parked_ = nullptr;
   prompt_.clear();
 }
 

@@ -143,7 +143,7 @@ void Driver::on_action(const Action& action, double t) {
     if (action.name != "paused") return;
     link_.hold();
     panel_waits_ = true;
-    parked_ = firmware_.name.find("Klipper") != firmware_.name.npos;
+    parked_ = parking_of(firmware_.name);
   } else if (action.name == "resume" || action.name == "resumed") {
     go_on(t);
   } else if (action.name == "cancel") {

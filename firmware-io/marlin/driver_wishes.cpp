@@ -47,7 +47,7 @@ void Driver::resume(double t) {
   stamp_.look();
   leave_panel(t);
   if (!parked_ || !job_) return go_on(t);
-  if (!std::exchange(unparking_, true)) controls_.emplace_back(kResume);
+  if (!std::exchange(unparking_, true)) controls_.emplace_back(parked_->resume);
   settle(t);
 }
 
@@ -55,22 +55,23 @@ void Driver::resume(double t) {
 void Driver::leave_panel(double t) {
   printer_waits_ = false;
   if (!std::exchange(panel_waits_, false)) return;
-  if (!parked_) link_.send_raw("M108", true, t);
+  if (!parked_ || parked_->knows_m108) link_.send_raw("M108", true, t);
   link_.note_progress(t);
 }
 
 void Driver::go_on(double t) {
-  parked_ = unparking_ = false;
+  parked_ = nullptr;
+  unparking_ = false;
   if (!job_) return;
   link_.note_progress(t);
   job_->resume();
   settle(t);
 }
 
-// A Klipper that was left paused would pause no other print.
+// A printer that was left paused would pause no other print.
 std::vector<std::string> Driver::last_lines(std::vector<std::string> lines) {
   lines.push_back("M84");
-  if (std::exchange(parked_, false)) lines.push_back("CLEAR_PAUSE");
+  if (const Parking* parked = std::exchange(parked_, nullptr)) lines.emplace_back(parked->forget);
   return lines;
 }
 

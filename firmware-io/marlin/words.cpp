@@ -54,7 +54,7 @@ bool is_macro(std::string_view command) noexcept {
 
 bool is_long(std::string_view command) noexcept {
   static constexpr int kLongG[] = {4, 32};
-  static constexpr int kLongM[] = {0, 1, 48, 303, 400};
+  static constexpr int kLongM[] = {0, 1, 48, 303, 400, 602, 603};
   if (is_macro(command)) return true;
   const Word word = first_word(command);
   if (word.letter == 'G')
@@ -67,6 +67,12 @@ bool is_motion(std::string_view command) noexcept {
   const Word word = first_word(command);
   const bool moves = word.letter == 'G' && ((word.number >= 0 && word.number <= 3) || word.number == 5);
   return moves && command.find_first_of("XYZEIJRxyzeijr", 1) != std::string_view::npos;
+}
+
+const Parking* parking_of(std::string_view firmware) noexcept {
+  static constexpr Parking kKlipper{"RESUME", "CLEAR_PAUSE", false}, kPrusa{"M602", "M603", true};
+  if (firmware.find("Klipper") != firmware.npos) return &kKlipper;
+  return firmware.find("Prusa-Firmware") != firmware.npos ? &kPrusa : nullptr;
 }
 
 bool is_pause(std::string_view command) noexcept {

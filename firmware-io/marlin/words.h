@@ -24,8 +24,14 @@ bool may_wait_for_person(std::string_view command) noexcept;
 /// A word of several letters, as Klipper's macros and extended commands: whatever it heats, homes and moves
 /// has ended when its ok comes.
 bool is_macro(std::string_view command) noexcept;
-/// Klipper's, after its PAUSE: back to the print's place.
-inline constexpr std::string_view kResume = "RESUME";
+/// Words to a firmware that reads on when it has paused itself and parked.
+struct Parking {
+  std::string_view resume;  ///< back to the print's place
+  std::string_view forget;  ///< this print does not go on
+  bool knows_m108;          ///< which ends a wait at its panel
+};
+/// Of Klipper's PAUSE, and Prusa's M601 and its panel; nullptr where the firmware waits in place.
+const Parking* parking_of(std::string_view firmware) noexcept;
 /// May take minutes before its ok.
 bool is_long(std::string_view command) noexcept;
 /// Moves an axis or the filament towards a given place: G0 to G3 and G5 with an axis word. Homing is none.

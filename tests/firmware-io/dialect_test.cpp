@@ -256,3 +256,35 @@ TEST_CASE("a print on a printer that waits for a person begins as a pause", "[di
   REQUIRE(bench.run_until([&] { return bench.over(); }));
   CHECK(bench.count<PrintFinished>() == 1);
 }
+
+TEST_CASE("a Prusa that has parked goes back before the print goes on, or forgets about it", "[dialect]") {
+  const bool cancelled = GENERATE(false, true);
+  CAPTURE(cancelled);
+  MockBench bench(mock::make_mock().firmware("prusa").cold_extrusion().instant_moves().build());
+  REQUIRE(bench.connect());
+  std::vector<std::string> file = {"G28"};
+  for (int i = 0; i < 40; ++i) file.push_back("G1 X" + std::to_string(i) + " E" + std::to_string(i));
+  file.insert(file.begin() + 20, "M601");
+  bench.print(file);
+  REQUIRE(bench.run_until([&] { return bench.count<Paused>() > 0; }));
+  bench.run_for(600);
+  REQUIRE_FALSE(bench.over());
+  REQUIRE(bench.log.back() != file[21]);
+  if (cancelled) {
+    bench.driver.cancel("", bench.t());
+  } else {
+    bench.driver.resume(bench.t());
+  }
+  REQUIRE(bench.run_until([&] { return bench.over(); }));
+  std::erase_if(bench.log, [](const std::string& line) { return line == "M105" || line == "M108"; });
+  const auto parked = std::find(bench.log.begin(), bench.log.end(), "M601");
+  REQUIRE(bench.log.end() - parked > 3);
+  if (cancelled) {
+    CHECK(bench.count<PrintCancelled>() == 1);
+    CHECK(bench.log.back() == "M603");
+  } else {
+    CHECK(bench.count<PrintFinished>() == 1);
+    CHECK(parked[1] == "M602");
+    CHECK(parked[2] == file[21]);
+  }
+}

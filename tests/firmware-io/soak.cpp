@@ -128,18 +128,21 @@ Fault any_fault(Dice& dice, std::size_t lines, bool wired, std::string& what) {
 // Until the print is over, or three hours have passed.
 bool see_through(MockBench& bench, SoakPrint& print) {
   double comes = 0;
+  bool came = false;
   return bench.run_until(
       [&] {
         if (bench.count<fw::Paused>() == bench.count<fw::Resumed>()) {
           comes = 0;
+          came = false;
         } else if (comes == 0) {
           comes = bench.t() + kPersonComes_s;
           const auto* paused = bench.find<fw::Paused>(print.pauses++);
           if (paused && paused->reason.empty()) print.violation = "paused without a reason";
         } else if (bench.t() >= comes) {
           // What is in the firmware's queue may stand before M108: then there is the panel.
-          if (print.pauses % 2 == 0) bench.printer.press_button();
+          if (print.pauses % 2 == 0 || std::exchange(came, true)) bench.printer.press_button();
           bench.driver.resume(bench.t());
+          comes = bench.t() + kPersonComes_s;
         }
         return bench.over();
       },

@@ -91,8 +91,9 @@ class Witness {
 
 /// Those of the lines that are a file's own, moves without blanks.
 inline std::vector<std::string> of_file(const std::vector<std::string>& lines) {
-  static const std::set<std::string> kOwn = {"M110", "M113", "M115", "M503", "M211", "M155", "M105",
-                                             "M400", "M104", "M140", "M84",  "M108", "M112"};
+  static const std::set<std::string> kOwn = {"M110", "M113", "M115", "M503",   "M211",       "M155",
+                                             "M105", "M400", "M104", "M140",   "M84",        "M108",
+                                             "M112", "M602", "M603", "RESUME", "CLEAR_PAUSE"};
   std::vector<std::string> out;
   for (std::string line : lines) {
     if (kOwn.count(line.substr(0, line.find(' '))) > 0) continue;

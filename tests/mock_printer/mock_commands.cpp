@@ -191,6 +191,15 @@ bool MockMarlin::execute_host(const Command& c) {
     case 600:
       pause_for_user("paused");
       return true;
+    case 601:
+    case 602:
+    case 603:
+      if (options_.dialect.name != "prusa") return false;
+      if (std::exchange(parked_, c.code() == 601) == (c.code() == 601)) return true;
+      write_line(c.code() == 601   ? "//action:paused"
+                 : c.code() == 602 ? "//action:resumed"
+                                   : "//action:cancel");
+      return true;
     case 17:
     case 31:
     case 73:

@@ -183,7 +183,7 @@ class MockMarlin final : public Firmware {
   bool homed_ = false;
   std::string halt_reason_;  ///< as it was said first
   bool user_wait_ = false, heat_wait_ = false;
-  bool parked_ = false;  ///< Klipper's PAUSE, which goes on reading
+  bool parked_ = false;  ///< Klipper's PAUSE or Prusa's M601, which go on reading
   bool tuning_ = false;  ///< M303: says neither that it is busy nor what M155 asked for
   std::optional<double> unplug_;
   std::string emergency_line_;
