@@ -1,5 +1,6 @@
 #pragma once
 
+#include "firmware-io/lines_of.h"
 #include "firmware-io/marlin/codec.h"
 #include "firmware-io/marlin/driver.h"
 #include "tests/firmware-io/driver_bench.h"
@@ -271,9 +272,12 @@ class HostileMarlin {
   }
   // What would be taken for a line of the file is left out.
   void command(const std::string& text) {
-    std::string bare = fw::marlin::sanitise(text);
-    std::erase(bare, ' ');
-    if (!bare.starts_with("G1X")) driver_.command(text, t_);
+    for (const std::string_view line : fw::lines_of(text)) {
+      std::string bare = fw::marlin::sanitise(line);
+      std::erase(bare, ' ');
+      if (bare.starts_with("G1X")) return;
+    }
+    driver_.command(text, t_);
   }
   void halt() {
     drain();
