@@ -3,7 +3,10 @@
 #include "daemon/json/json.h"
 #include "tests/daemon/fakes.h"
 
+#include <algorithm>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include <catch2/catch.hpp>
 
@@ -84,35 +87,38 @@ TEST_CASE("with auto_clear the next one starts after a finished print, but not a
   CHECK(fs::exists(rig.dir / "inbox/failed/b.stl"));
 }
 
-TEST_CASE("after a print that was cut off every heater of the printer is turned off") {
+namespace {
+
+/// What is said to a printer that is there again after a print was cut off.
+std::vector<std::string> said_after_cut_off(const fw::FirmwareInfo& firmware) {
   RunnerRig rig(true);
   rig.connect();
   rig.drop("a.stl");
   REQUIRE(rig.reaches("a.stl", State::heating));
   rig.restart();
   rig.printer.calls.clear();
+  rig.printer.say(fw::Connected{firmware});
+  rig.loop.run();
+  return rig.printer.calls;
+}
+
+}  // namespace
+
+TEST_CASE("after a print that was cut off every heater of the printer is turned off") {
   fw::FirmwareInfo two;
   two.name = "Marlin test";
   two.extruders = 2;
   two.capabilities["CHAMBER_TEMPERATURE"] = true;
-  rig.printer.say(fw::Connected{two});
-  rig.loop.run();
+  const auto said = said_after_cut_off(two);
   for (const char* line : {"M104 S0", "M104 T0 S0", "M104 T1 S0", "M140 S0", "M141 S0", "M107"})
-    CHECK(rig.printer.count("command " + std::string(line)) == 1);
+    CHECK(std::count(said.begin(), said.end(), "command " + std::string(line)) == 1);
 }
 
 TEST_CASE("a Klipper, which does not say how many hotends it has, turns all off after a cut-off print") {
-  RunnerRig rig(true);
-  rig.connect();
-  rig.drop("a.stl");
-  REQUIRE(rig.reaches("a.stl", State::heating));
-  rig.restart();
-  rig.printer.calls.clear();
   fw::FirmwareInfo klipper;
   klipper.name = "Klipper";
-  rig.printer.say(fw::Connected{klipper});
-  rig.loop.run();
-  CHECK(rig.printer.count("command TURN_OFF_HEATERS") == 1);
+  const auto said = said_after_cut_off(klipper);
+  CHECK(std::count(said.begin(), said.end(), "command TURN_OFF_HEATERS") == 1);
 }
 
 TEST_CASE("nothing starts while the printer is not connected") {
