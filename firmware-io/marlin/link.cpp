@@ -41,6 +41,12 @@ constexpr int kMostQuestions = 2;
 // A bare ok may be one of so many too many; the next is then not the long line's own either.
 constexpr int kOksThatMeanDone = 16;
 
+std::string without_colons(std::string_view payload) {
+  std::string bare(payload);
+  std::replace(bare.begin(), bare.end(), ':', '.');
+  return bare;
+}
+
 }  // namespace
 
 Link::Link(WindowOptions options, Timing timing, double byte_s, const Clock& stamp, FlightRecorder& recorder)
@@ -125,12 +131,13 @@ void Link::break_line() {
   output_ += '\n';
 }
 
+// Another text has another checksum, which may be longer.
+bool Link::may_send(std::string_view payload) const {
+  return loses_colons(payload) ? window_.may_send(without_colons(payload)) : window_.may_send(payload);
+}
+
 void Link::send(std::string_view payload, Tag tag, double t) {
-  if (colon_ends_line_ && payload.find(':') != payload.npos) {
-    std::string bare(payload);
-    std::replace(bare.begin(), bare.end(), ':', '.');
-    return send(bare, tag, t);
-  }
+  if (loses_colons(payload)) return send(without_colons(payload), tag, t);
   const std::uint32_t number = window_.next_number();
   outstanding_.push_back({number, tag});
   if (tag.is_long) long_number_ = number, oks_past_long_ = 0;

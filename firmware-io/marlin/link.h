@@ -73,7 +73,7 @@ class Link {
   void first_line_answered() noexcept { window_.on_first_line_taken(); }
   /// Whether moves may go in pieces, so that the printer's receive buffer is always full.
   void set_piecewise(bool on) noexcept { window_.set_piecewise(on); }
-  bool may_send(std::string_view payload) const { return window_.may_send(payload); }
+  bool may_send(std::string_view payload) const;
   bool may_begin(std::string_view payload) const { return window_.may_begin(payload); }
   void send(std::string_view payload, Tag tag, double t);
   /// Without a number. `answered`: an ok comes back for it. A line begun before is sent to its end, or ended
@@ -141,6 +141,9 @@ class Link {
     double gone_t = 0;  ///< when its last byte has gone, as estimated; infinite before that is written
     double earliest_gone_t = 0;  ///< the same on the fastest wire of that name
   };
+  bool loses_colons(std::string_view payload) const {
+    return colon_ends_line_ && payload.find(':') != payload.npos;
+  }
   void put(std::string_view bytes, double t);
   void write(std::string_view bytes, std::string_view shown, double t);
   void let_out(std::size_t bytes, double t);
