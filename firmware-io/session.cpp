@@ -130,7 +130,12 @@ class Session final : public PrinterPort {
       flush_quietly();
       due_ = dialogue_->deadline();
     }
-    if (now() >= stop_at) return true;
+    if (now() >= stop_at) {
+      // The heaters may still be on, and nobody is left to turn them off.
+      if (transport_ && !dialogue_->finished()) dialogue_->halt("the print did not end in time", now());
+      flush_quietly();
+      return true;
+    }
     return halt_.load() == nullptr && (!transport_ || dialogue_->finished());
   }
 

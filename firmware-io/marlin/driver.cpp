@@ -120,6 +120,8 @@ void Driver::pump(double t) {
     queries_.pop_front();
   }
   while (!controls_.empty() && link_.may_send(controls_.front())) {
+    // They would stand in the firmware's queue, where what is urgent needs the room.
+    if (link_.waits_at_length() && !unparking_) break;
     const std::string line = std::move(controls_.front());
     controls_.pop_front();
     if (sets_keepalive(line)) link_.forget_busy();

@@ -104,7 +104,8 @@ PrintJob::Step PrintJob::feed_line(Link& link, double t) {
 }
 
 void PrintJob::feed_ending(Link& link, double t) {
-  while (!ending_lines_.empty() && link.may_send(ending_lines_.front())) {
+  // One at a time: an emergency stop behind a cancel must find room, too.
+  while (!ending_lines_.empty() && !link.waits_at_length() && link.may_send(ending_lines_.front())) {
     const std::string& text = ending_lines_.front();
     link.send(text, {.kind = Tag::Kind::ending, .is_long = true}, t);  // waits for the moves before it
     ending_lines_.pop_front();

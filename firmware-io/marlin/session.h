@@ -12,7 +12,8 @@ namespace voidpath::fw::marlin {
 struct SessionOptions {
   DriverOptions driver;
   double reconnect_s = 2;
-  double shutdown_s = 5;  ///< at most so long a running print is ended in an orderly way on destruction
+  /// So long a running print may take to end in an orderly way on destruction; then it is halted.
+  double shutdown_s = 5;
 };
 
 /// A Marlin-class printer behind any transport. `open` is called on the session's thread, again and again

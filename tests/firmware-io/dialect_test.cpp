@@ -186,6 +186,19 @@ TEST_CASE("what is urgent finds room behind a long command of a firmware that is
     bench.run_for(1);
     CHECK(bench.printer.halted());
   }
+  SECTION("an emergency behind a cancel, or what a user types") {
+    bench.print({"M104 S60", "G28", "G29", "G1 X10 F600"});
+    bench.run_for(100);
+    if (GENERATE(false, true)) {
+      bench.driver.cancel("", bench.t());
+    } else {
+      for (int i = 0; i < 10; ++i) bench.driver.command("M220 S" + std::to_string(100 + i), bench.t());
+    }
+    bench.run_for(5);
+    bench.driver.halt("button", bench.t());
+    bench.run_for(1);
+    CHECK(bench.printer.halted());
+  }
 }
 
 TEST_CASE("temperatures are asked for again when a long command is over", "[dialect]") {

@@ -15,6 +15,7 @@ struct Halter final : Dialogue {
   struct Script {
     std::function<void()> opened = [] {}, shut_down = [] {};
     int unheard = 0;  ///< so many halts the printer does not hear
+    bool printing = false;
     std::atomic<int> halts{0};
   };
   explicit Halter(Script& s) : script(s) {}
@@ -29,7 +30,7 @@ struct Halter final : Dialogue {
   void shut_down(double /*t*/) override { script.shut_down(); }
   bool halt_heard() const noexcept override { return heard; }
   bool closing() const noexcept override { return closed; }
-  bool finished() const noexcept override { return true; }
+  bool finished() const noexcept override { return !script.printing; }
   double deadline() const noexcept override { return closed ? 0 : 1e300; }
   std::string& output() noexcept override { return out; }
   bool take_urgent() noexcept override { return false; }
@@ -57,7 +58,7 @@ std::unique_ptr<PrinterPort> halter_session(Halter::Script& script, std::vector<
     return std::make_unique<Halter>(script);
   };
   return start_session(
-      {.reconnect_s = 0.001}, open, steady_clock(), [](const Event&) {}, make);
+      {.reconnect_s = 0.001, .shutdown_s = 0.02}, open, steady_clock(), [](const Event&) {}, make);
 }
 
 }  // namespace
@@ -145,4 +146,16 @@ TEST_CASE("an emergency stop is said anew at each opening until the printer has 
   REQUIRE(opened_again.get_future().wait_for(kPatience) == std::future_status::ready);
   port.reset();
   CHECK(script.halts == 2);
+}
+
+TEST_CASE("a print that does not end in time when its session does is stopped", "[session]") {
+  Halter::Script script;
+  script.printing = true;
+  std::vector<Loopback> loopbacks;
+  std::promise<void> opened;
+  script.opened = [&] { opened.set_value(); };
+  auto port = halter_session(script, loopbacks);
+  REQUIRE(opened.get_future().wait_for(kPatience) == std::future_status::ready);
+  port.reset();
+  CHECK(script.halts == 1);
 }
