@@ -1,5 +1,4 @@
-#include "daemon/jobs/database.h"
-#include "tests/daemon/fakes.h"
+#include "tests/daemon/full_disk.h"
 
 #include <future>
 
@@ -7,38 +6,9 @@
 
 /// What happens while nothing can be written: the disk is full for a while.
 namespace voidpath::test {
-namespace {
 
 using daemon::State;
 namespace fs = std::filesystem;
-
-/// From here to its end no row of a job or a print can be written.
-class FullDisk {
- public:
-  explicit FullDisk(const fs::path& database) : database_(database) {
-    for (const char* sql :
-         {"CREATE TRIGGER full1 BEFORE UPDATE ON jobs BEGIN SELECT RAISE(ABORT, 'disk is full'); END",
-          "CREATE TRIGGER full2 BEFORE INSERT ON jobs BEGIN SELECT RAISE(ABORT, 'disk is full'); END",
-          "CREATE TRIGGER full3 BEFORE INSERT ON prints BEGIN SELECT RAISE(ABORT, 'disk is full'); END",
-          "CREATE TRIGGER full4 BEFORE UPDATE ON prints BEGIN SELECT RAISE(ABORT, 'disk is full'); END",
-          "CREATE TRIGGER full5 BEFORE INSERT ON printers BEGIN SELECT RAISE(ABORT, 'disk is full'); END"})
-      database_.execute(sql);
-  }
-  ~FullDisk() {
-    for (const char* sql : {"DROP TRIGGER full1", "DROP TRIGGER full2", "DROP TRIGGER full3",
-                            "DROP TRIGGER full4", "DROP TRIGGER full5"})
-      database_.execute(sql);
-  }
-  FullDisk(const FullDisk&) = delete;
-  FullDisk& operator=(const FullDisk&) = delete;
-
- private:
-  daemon::Database database_;
-};
-
-fs::path database_of(const RunnerRig& rig) { return rig.config.state_dir / "voidpath.db"; }
-
-}  // namespace
 
 TEST_CASE("what was prepared while the disk was full is kept once there is room") {
   bool complained = false;
@@ -56,7 +26,7 @@ TEST_CASE("what was prepared while the disk was full is kept once there is room"
   rig.drop("a.stl");
   REQUIRE(rig.reaches("a.stl", State::preparing));
   {
-    const FullDisk full(database_of(rig));
+    const FullDisk full(rig);
     disk_is_full.set_value();
     REQUIRE(rig.loop.run_until([&] { return complained; }));
     CHECK(rig.state_of("a.stl") == State::preparing);
@@ -75,7 +45,7 @@ TEST_CASE("a start that could not be kept is decided anew, not repeated") {
   REQUIRE(rig.reaches("a.stl", State::waiting_bed));
   {
     rig.runner->bed_clear("");
-    const FullDisk full(database_of(rig));
+    const FullDisk full(rig);
     rig.loop.run();
     CHECK(rig.printer.count("print") == 0);
     rig.runner->halted("", "emergency stop");
@@ -93,7 +63,7 @@ TEST_CASE("the times of a print that ended on a full disk are not lost") {
   REQUIRE(rig.reaches("a.stl", State::heating));
   rig.begin_motion();
   {
-    const FullDisk full(database_of(rig));
+    const FullDisk full(rig);
     rig.finish(50);
     rig.loop.advance(12);
     CHECK(rig.store->history().empty());
@@ -107,7 +77,7 @@ TEST_CASE("the times of a print that ended on a full disk are not lost") {
 
 TEST_CASE("an upload that could not be kept is refused and leaves nothing in the folder") {
   RunnerRig rig;
-  const FullDisk full(database_of(rig));
+  const FullDisk full(rig);
   const fs::path upload = rig.dir.write("inbox/.voidpath-upload-abc123", "solid\nendsolid\n");
   CHECK_THROWS_AS(rig.runner->add(upload, "a.stl", {}, ""), daemon::StoreError);
   CHECK_FALSE(fs::exists(rig.dir / "inbox/a.stl"));

@@ -1,6 +1,6 @@
 #include "daemon/pins/printer_pins.h"
 #include "daemon/web/snapshot.h"
-#include "tests/daemon/fakes.h"
+#include "tests/daemon/pin_rig.h"
 
 #include <cmath>
 
@@ -10,72 +10,6 @@ using namespace voidpath::test;
 using namespace voidpath::daemon;
 namespace fw = voidpath::fw;
 namespace config = voidpath::config;
-
-namespace {
-
-config::PinConfig pin(const std::string& line, double debounce_ms = 0) {
-  config::PinConfig out;
-  out.line = line;
-  out.debounce_ms = debounce_ms;
-  return out;
-}
-
-config::PinsConfig everything() {
-  config::PinsConfig out;
-  out.emergency_stop = pin("stop");
-  out.bed_button = pin("button", 30);
-  out.door = pin("door", 50);
-  out.filament = pin("filament", 500);
-  out.relay = pin("relay");
-  out.led = pin("led");
-  out.light = pin("light");
-  out.power_up_s = 3;
-  out.idle_off_s = 600;
-  return out;
-}
-
-/// A runner whose printer has pins of straw.
-struct PinRig : RunnerRig {
-  explicit PinRig(config::PinsConfig wired = everything(), bool auto_clear = false)
-      : RunnerRig(auto_clear, std::move(wired)) {}
-
-  void set(const std::string& line, bool active) {
-    pins.set(line, active, loop.now_s());
-    loop.run();
-  }
-  /// Pressed and let go, with all the bouncing a contact has.
-  void press() {
-    for (const bool level : {true, false, true}) set("button", level);
-    loop.advance(0.1);
-    set("button", false);
-    loop.advance(0.1);
-  }
-  void print(const std::string& name) {
-    drop(name);
-    REQUIRE(reaches(name, State::waiting_bed));
-    runner->bed_clear("");
-    loop.run();
-    loop.advance(3.1);
-    REQUIRE(reaches(name, State::heating));
-    begin_motion();
-  }
-  std::string waits() { return runner->waiting_reason(*runner->printers()[0]); }
-  std::string shown(const std::string& name) {
-    for (const auto& [pin_name, state] : runner->printers()[0]->pins()->words())
-      if (pin_name == name) return state;
-    return "";
-  }
-  bool pulled() {
-    pins.set("stop", true);
-    return loop.run_until([&] { return !runner->printers()[0]->memory.held.empty(); });
-  }
-  bool let_go() {
-    pins.set("stop", false);
-    return loop.run_until([&] { return shown("emergency stop") == "free"; });
-  }
-};
-
-}  // namespace
 
 TEST_CASE("the bed button is the bed-clear command, and nothing moves before it") {
   PinRig rig;
@@ -201,63 +135,6 @@ TEST_CASE("an emergency stop that is pulled when the daemon starts lets nothing 
   CHECK_FALSE(rig.pins.active("relay"));
 }
 
-TEST_CASE("an open door pauses with its reason; only a user goes on, and only behind a closed one") {
-  PinRig rig;
-  rig.connect();
-  rig.print("a.stl");
-  rig.set("door", true);
-  rig.loop.advance(0.06);
-  CHECK(rig.printer.count("pause") >= 1);
-  rig.printer.say(fw::Paused{});
-  rig.loop.run();
-  CHECK(rig.state_of("a.stl") == State::paused);
-  CHECK(rig.runner->queue().at(0)->message == "the door was opened");
-  CHECK(rig.shown("door") == "open");
-  CHECK_THROWS_WITH(rig.runner->resume(""), Catch::Contains("the door is open"));
-  rig.set("door", false);
-  rig.loop.advance(0.06);
-  CHECK(rig.state_of("a.stl") == State::paused);
-  rig.runner->resume("");
-  CHECK(rig.printer.count("resume") == 1);
-  CHECK(rig.pins.active("relay"));  // heaters stayed on all the while
-}
-
-TEST_CASE("filament that runs out pauses; no print begins without filament or behind an open door") {
-  PinRig rig;
-  rig.connect();
-  rig.print("a.stl");
-  rig.set("filament", true);
-  rig.loop.advance(0.4);
-  CHECK(rig.printer.count("pause") == 0);  // not yet quiet
-  rig.loop.advance(0.2);
-  CHECK(rig.printer.count("pause") >= 1);
-  rig.printer.say(fw::Paused{});
-  rig.loop.run();
-  CHECK(rig.runner->queue().at(0)->message == "the filament ran out");
-  rig.set("filament", false);
-  rig.loop.advance(1);
-  rig.runner->resume("");
-  rig.printer.say(fw::Resumed{});
-  rig.loop.run();
-  rig.finish(60);
-  rig.set("filament", true);
-  rig.set("door", true);
-  rig.loop.advance(1);
-  rig.drop("b.stl");
-  REQUIRE(rig.reaches("b.stl", State::waiting_bed));
-  rig.runner->bed_clear("");
-  rig.loop.advance(10);
-  CHECK(rig.waits() == "the door is open");
-  rig.set("door", false);
-  rig.loop.advance(1);
-  CHECK(rig.waits() == "there is no filament");
-  CHECK(rig.printer.count("print") == 1);
-  rig.set("filament", false);
-  rig.loop.advance(1);
-  rig.loop.advance(3.1);
-  CHECK(rig.state_of("b.stl") == State::heating);
-}
-
 TEST_CASE("the relay is off until a print is to begin, and after idling") {
   PinRig rig;
   CHECK(rig.pins.driven("relay") == std::vector<bool>{false});
@@ -348,19 +225,6 @@ TEST_CASE("a relay that cannot be switched lets nothing begin, and is tried agai
   rig.loop.run();
   rig.loop.advance(3.1);
   CHECK(rig.state_of("a.stl") == State::heating);
-}
-
-TEST_CASE("a guard whose pin fails counts as open") {
-  PinRig rig;
-  rig.connect();
-  rig.print("a.stl");
-  rig.pins.fail("door", "the chip is gone");
-  rig.loop.run();
-  CHECK(rig.printer.count("pause") >= 1);
-  CHECK(rig.shown("door") == "failed: the chip is gone");
-  rig.printer.say(fw::Paused{});
-  rig.loop.run();
-  CHECK_THROWS_WITH(rig.runner->resume(""), Catch::Contains("the chip is gone"));
 }
 
 TEST_CASE("the lamp tells what the printer is at") {

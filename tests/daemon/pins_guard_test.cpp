@@ -1,0 +1,77 @@
+#include "tests/daemon/pin_rig.h"
+
+using namespace voidpath::test;
+using namespace voidpath::daemon;
+namespace fw = voidpath::fw;
+
+/// Door and filament: what pauses a print, and what may set it going again.
+
+TEST_CASE("an open door pauses with its reason; only a user goes on, and only behind a closed one") {
+  PinRig rig;
+  rig.connect();
+  rig.print("a.stl");
+  rig.set("door", true);
+  rig.loop.advance(0.06);
+  CHECK(rig.printer.count("pause") >= 1);
+  rig.printer.say(fw::Paused{});
+  rig.loop.run();
+  CHECK(rig.state_of("a.stl") == State::paused);
+  CHECK(rig.runner->queue().at(0)->message == "the door was opened");
+  CHECK(rig.shown("door") == "open");
+  CHECK_THROWS_WITH(rig.runner->resume(""), Catch::Contains("the door is open"));
+  rig.set("door", false);
+  rig.loop.advance(0.06);
+  CHECK(rig.state_of("a.stl") == State::paused);
+  rig.runner->resume("");
+  CHECK(rig.printer.count("resume") == 1);
+  CHECK(rig.pins.active("relay"));  // heaters stayed on all the while
+}
+
+TEST_CASE("filament that runs out pauses; no print begins without filament or behind an open door") {
+  PinRig rig;
+  rig.connect();
+  rig.print("a.stl");
+  rig.set("filament", true);
+  rig.loop.advance(0.4);
+  CHECK(rig.printer.count("pause") == 0);  // not yet quiet
+  rig.loop.advance(0.2);
+  CHECK(rig.printer.count("pause") >= 1);
+  rig.printer.say(fw::Paused{});
+  rig.loop.run();
+  CHECK(rig.runner->queue().at(0)->message == "the filament ran out");
+  rig.set("filament", false);
+  rig.loop.advance(1);
+  rig.runner->resume("");
+  rig.printer.say(fw::Resumed{});
+  rig.loop.run();
+  rig.finish(60);
+  rig.set("filament", true);
+  rig.set("door", true);
+  rig.loop.advance(1);
+  rig.drop("b.stl");
+  REQUIRE(rig.reaches("b.stl", State::waiting_bed));
+  rig.runner->bed_clear("");
+  rig.loop.advance(10);
+  CHECK(rig.waits() == "the door is open");
+  rig.set("door", false);
+  rig.loop.advance(1);
+  CHECK(rig.waits() == "there is no filament");
+  CHECK(rig.printer.count("print") == 1);
+  rig.set("filament", false);
+  rig.loop.advance(1);
+  rig.loop.advance(3.1);
+  CHECK(rig.state_of("b.stl") == State::heating);
+}
+
+TEST_CASE("a guard whose pin fails counts as open") {
+  PinRig rig;
+  rig.connect();
+  rig.print("a.stl");
+  rig.pins.fail("door", "the chip is gone");
+  rig.loop.run();
+  CHECK(rig.printer.count("pause") >= 1);
+  CHECK(rig.shown("door") == "failed: the chip is gone");
+  rig.printer.say(fw::Paused{});
+  rig.loop.run();
+  CHECK_THROWS_WITH(rig.runner->resume(""), Catch::Contains("the chip is gone"));
+}
