@@ -107,6 +107,10 @@ void Printer::take(const fw::Event& event) {
     link_ = *stats;
   } else if (const auto* told = std::get_if<fw::LimitsKnown>(&event.what)) {
     limits_ = told->limits;
+  } else if (std::holds_alternative<fw::Paused>(event.what)) {
+    paused_ = true;
+  } else if (std::holds_alternative<fw::Resumed>(event.what)) {
+    paused_ = false;
   }
   if (timer_) timer_->on(event);
   const bool over = job_ && ends_print(event);
@@ -152,6 +156,7 @@ void Printer::start(JobId job, const std::filesystem::path& gcode, std::vector<g
   position_ = 0;
   link_ = {};
   timer_.emplace(std::move(layers));
+  paused_ = false;
   job_ = job;
   port_->print(std::move(source));
 }

@@ -57,6 +57,8 @@ class Printer {
   /// A print was handed over and has not ended.
   bool busy() const noexcept { return job_.has_value(); }
   std::optional<JobId> job() const noexcept { return job_; }
+  /// The print rests, whether or not the store knows of it.
+  bool paused() const noexcept { return paused_; }
   const std::string& offline_reason() const noexcept { return offline_reason_; }
   const std::map<std::string, fw::Temperature>& temperatures() const noexcept { return temperatures_; }
   const PrintTimer* timer() const noexcept { return timer_ ? &*timer_ : nullptr; }
@@ -125,6 +127,7 @@ class Printer {
   std::string offline_reason_ = "not opened yet";
   std::map<std::string, fw::Temperature> temperatures_;
   std::optional<JobId> job_;
+  bool paused_ = false;
   std::optional<PrintTimer> timer_;
   fw::LinkStats link_;
   std::optional<fw::FirmwareLimits> limits_;

@@ -32,12 +32,8 @@ void Runner::attach_pins(Printer& printer) {
 }
 
 void Runner::pause_by_pin(Printer& printer, const std::string& reason) {
-  const Job* job = job_on(printer);
-  if (job == nullptr || !printer.busy() || job->state == State::paused) return;
-  const JobId id = job->id;
-  // The effect of the transition pauses the printer; the reason comes back with its event.
-  happen(id, Event::pause, [reason](Job& j) { j.message = reason; });
-  printer.pause(reason);
+  // Past the store, which may be full; the reason comes back with the printer's event.
+  if (printer.busy() && !printer.paused()) printer.pause(reason);
 }
 
 bool Runner::about_to_print(const Printer& printer) const {
@@ -72,6 +68,9 @@ void Runner::pins_of_event(Printer& printer, const fw::Event& event) {
     pins->fault(failed->reason);
   } else if (const auto* down = std::get_if<fw::Disconnected>(&event.what)) {
     pins->disconnected(down->reason);
+  } else if (std::holds_alternative<fw::Resumed>(event.what)) {
+    // Whoever presses a button at the printer asks nobody here.
+    if (const std::string why = pins->blocker(); !why.empty()) pause_by_pin(printer, why);
   } else {
     return;
   }
