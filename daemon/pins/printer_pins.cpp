@@ -134,9 +134,14 @@ void PrinterPins::guard_changed(const Contact& guard, const char* active, const 
 void PrinterPins::update(const Activity& now) {
   const bool begins_or_ends = now.printing != activity_.printing;
   activity_ = now;
-  if (power_) power_->update(now.printing || now.about_to_print);
+  if (power_) power_->update(wants_power());
   if (light_printing_ && begins_or_ends) drive(light_, light_on_ = now.printing, "light");
   show_led();
+}
+
+// A print that has failed may long count as running: while the store is full.
+bool PrinterPins::wants_power() const noexcept {
+  return (activity_.printing || activity_.about_to_print) && fault_.empty();
 }
 
 void PrinterPins::fault(const std::string& reason) {
@@ -180,7 +185,7 @@ bool PrinterPins::power_by_hand(bool on) {
     return true;
   }
   const bool done = power_->switch_on();
-  power_->update(activity_.printing || activity_.about_to_print);  // the idle time begins
+  power_->update(wants_power());  // the idle time begins
   return done;
 }
 

@@ -54,7 +54,7 @@ class PrinterPins {
   void cut() noexcept;
 
   void update(const Activity& now);
-  /// A print has failed: power off.
+  /// A print has failed: power off until acknowledge(), but by hand.
   void fault(const std::string& reason);
   /// The connection is lost.
   void disconnected(const std::string& reason);
@@ -85,6 +85,7 @@ class PrinterPins {
   void start_stop(const config::PinConfig& pin);
   void stop_reported(bool stopped, const std::string& reason);
   void guard_changed(const Contact& guard, const char* active, const char* inactive);
+  bool wants_power() const noexcept;
   void show_led();
   void drive(std::unique_ptr<fw::OutputPin>& lamp, bool lit, const char* name) noexcept;
   LedState led_state() const;

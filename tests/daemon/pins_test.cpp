@@ -1,5 +1,6 @@
 #include "daemon/pins/printer_pins.h"
 #include "daemon/web/snapshot.h"
+#include "tests/daemon/full_disk.h"
 #include "tests/daemon/pin_rig.h"
 
 #include <cmath>
@@ -182,6 +183,33 @@ TEST_CASE("any fault switches the power off until the bed is clear") {
   rig.loop.advance(10);
   CHECK_FALSE(rig.pins.active("relay"));
   rig.press();
+  CHECK(rig.pins.active("relay"));
+}
+
+TEST_CASE("after a fault the power stays off, whether or not the disk takes the fault down") {
+  PinRig rig;
+  rig.connect();
+  rig.print("a.stl");
+  REQUIRE(rig.pins.active("relay"));
+  {
+    const FullDisk full(rig);
+    SECTION("the print fails") { rig.printer.say(fw::PrintFailed{"thermal runaway"}); }
+    SECTION("the cable is pulled") { rig.printer.say(fw::Disconnected{"gone"}); }
+    rig.loop.run();
+    CHECK(rig.state_of("a.stl") == State::printing);  // as far as the disk knows
+    CHECK_FALSE(rig.pins.active("relay"));
+    rig.connect();
+    rig.loop.advance(6);
+    CHECK_FALSE(rig.pins.active("relay"));
+    CHECK(rig.shown("lamp") == "fault");
+    rig.runner->power("", true);  // by hand it is idle, whatever the disk says
+    rig.loop.advance(601);
+    CHECK_FALSE(rig.pins.active("relay"));
+  }
+  rig.loop.advance(6);
+  REQUIRE_FALSE(rig.state_of("a.stl"));
+  CHECK_FALSE(rig.pins.active("relay"));
+  rig.print("b.stl");
   CHECK(rig.pins.active("relay"));
 }
 
