@@ -125,6 +125,7 @@ void Driver::pump(double t) {
     const std::string line = std::move(controls_.front());
     controls_.pop_front();
     if (sets_keepalive(line)) link_.forget_busy();
+    if (sets_reports(line)) autoreport_ = !ends_reports(line);
     const Tag::Kind kind = parked_ && line == parked_->resume ? Tag::Kind::resume : Tag::Kind::control;
     link_.send(line, {.kind = kind, .is_long = is_long(line)}, t);
   }

@@ -35,7 +35,7 @@ Meaning meaning_of(std::string_view text) {
   // Nearly every line is a plain move.
   if (text.starts_with("G1 ") || text.starts_with("G0 ")) return {};
   return {is_pause(text),
-          sets_keepalive(text),
+          sets_keepalive(text) || sets_reports(text),
           is_heating_wait(text),
           is_long(text),
           is_homing(text) || may_wait_for_person(text) || is_macro(text),

@@ -82,6 +82,13 @@ bool is_pause(std::string_view command) noexcept {
 
 bool sets_keepalive(std::string_view command) noexcept { return first_word(command) == Word{'M', 113}; }
 
+bool sets_reports(std::string_view command) noexcept { return first_word(command) == Word{'M', 155}; }
+
+bool ends_reports(std::string_view command) noexcept {
+  const auto s = command.find_first_of("Ss", 1);
+  return sets_reports(command) && s != command.npos && first_word(command.substr(s)).number == 0;
+}
+
 bool sets_line_number(std::string_view command) {
   if (first_word(command) == Word{'M', 110}) return true;
   if (command.find('M') == command.npos) return false;

@@ -38,6 +38,10 @@ bool is_long(std::string_view command) noexcept;
 bool is_motion(std::string_view command) noexcept;
 /// M113: how often the firmware says that it is busy, by which its silences are judged.
 bool sets_keepalive(std::string_view command) noexcept;
+/// M155: whether it tells temperatures unasked, and how often.
+bool sets_reports(std::string_view command) noexcept;
+/// M155 S0.
+bool ends_reports(std::string_view command) noexcept;
 /// M0, M1 and M25, which means a print from the card: the host pauses instead of the firmware.
 bool is_pause(std::string_view command) noexcept;
 /// Would be taken for a new line number: Marlin looks for M110 anywhere in a numbered line, and a packed move

@@ -158,6 +158,26 @@ TEST_CASE("how often the printer says that it is busy is not for a file to set",
   CHECK(std::count(bench.log.begin(), bench.log.end(), line) == 0);
 }
 
+TEST_CASE("whether the printer says its temperatures is not for a file to set, and known where a person does",
+          "[keepalive]") {
+  MockBench bench(mock::make_mock().cold_extrusion().build());
+  REQUIRE(bench.connect());
+  std::vector<std::string> file = {"M155 S0"};
+  for (int i = 0; i < 200; ++i) file.push_back("G1 X" + std::to_string(i % 2 * 60) + " F3000");
+  int wanted = 50;
+  SECTION("a file") {}
+  SECTION("a person") {
+    wanted = 5;  // asked for, as often as of any cold printer
+    bench.driver.command("M155 S0", bench.t());
+    bench.run_for(5);
+  }
+  const int told = bench.count<Temperatures>();
+  bench.print(file);
+  bench.run_for(60);
+  REQUIRE_FALSE(bench.over());
+  CHECK(bench.count<Temperatures>() - told >= wanted);
+}
+
 TEST_CASE("a printer that a person has made mute is not given up at its work", "[keepalive]") {
   mock::Options firmware = mock::make_mock().firmware("marlin1").instant_moves().build();
   firmware.leveling_s = 600;
