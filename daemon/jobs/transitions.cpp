@@ -37,6 +37,7 @@ constexpr Cell kDrop = to(cancelled, record | file_failed);
 constexpr Cell kDropP = to(cancelled, stop_prepare | record | file_failed);
 constexpr Cell kGiveUp = to(cancelled, close_record | file_failed);
 constexpr Cell kEnding = to(cancelling, cancel_print);
+constexpr Cell kLeave = stays(cancel_print);  // it may wait at its panel again
 constexpr Cell kCut = to(interrupted, cancel_print | close_record);
 constexpr Cell kFoundCut = to(interrupted, close_record);
 constexpr Cell kPause = stays(pause_print);
@@ -62,7 +63,7 @@ constexpr std::array<Row, kEvents> kTable = {{
   {{ no,       no,       no,      no,      kFail,    kFail,    kFail,    kDrop,     no,    no,     no,       no      }},  // print_failed
   {{ no,       no,       no,      no,      kPause,   kPause,   st,       no,        no,    no,     no,       no      }},  // pause
   {{ no,       no,       no,      no,      st,       st,       kGoOn,    no,        no,    no,     no,       no      }},  // resume
-  {{ kDrop,    kDropP,   kDrop,   kDrop,   kEnding,  kEnding,  kEnding,  st,        no,    no,     st,       kGiveUp }},  // cancel
+  {{ kDrop,    kDropP,   kDrop,   kDrop,   kEnding,  kEnding,  kEnding,  kLeave,    no,    no,     st,       kGiveUp }},  // cancel
   {{ kStop,    kStop,    kStop,   kStop,   kHalt,    kHalt,    kHalt,    kHalt,     kStop, kStop,  kStop,    kStop   }},  // halt
   {{ no,       no,       no,      no,      no,       no,       no,       no,        no,    kAgain, kAgain,   kAgain  }},  // retry
   {{ no,       no,       no,      no,      no,       no,       no,       no,        no,    no,     no,       kReady  }},  // resume_interrupted

@@ -153,6 +153,7 @@ class Driver final : public Dialogue {
   std::uint64_t nameless_seen_ = 0;
   std::uint64_t odd_commands_ = 0;   ///< never sent, or beyond reason: damage that no checksum showed
   bool printer_waits_ = false;       ///< it said so; paused until its next ok
+  int panel_words_ = 0;              ///< M108s since the last ok
   bool panel_waits_ = false;         ///< it waits for a person, whoever paused the print
   const Parking* parked_ = nullptr;  ///< it has left the print's place, and reads on
   bool unparking_ = false;           ///< it was told to go back

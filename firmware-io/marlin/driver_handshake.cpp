@@ -55,6 +55,7 @@ void Driver::forget_dialogue() {
   repacking_until_ = rest_until_ = 0;
   settings_ = {};
   firmware_ = {};
+  panel_words_ = 0;
   autoreport_ = printer_waits_ = panel_waits_ = unparking_ = false;
   parked_ = nullptr;
   prompt_.clear();

@@ -14,10 +14,19 @@ constexpr double kHot_c = 45;
 // Marlin offers three at the most; more is noise.
 constexpr int kMostChoices = 16;
 
+// Each of them stands in the firmware's queue behind what waits, and M112 must find room; where it needs
+// none, in the receive buffer.
+constexpr int kMostPanelWords = 2, kMostWordsOutOfBand = 16;
+
 constexpr std::string_view kUnknown = "Unknown command";
 // What a firmware complains of stands in its command queue or has just left it: more lines than any queue
 // holds.
 constexpr std::uint32_t kLookBack = 128;
+
+std::string_view quoted_in(std::string_view refusal) {
+  const auto first = refusal.find('"'), last = refusal.rfind('"');
+  return first == last ? std::string_view{} : refusal.substr(first + 1, last - first - 1);
+}
 
 std::string without_blanks(std::string_view text) {
   std::string out(text);
@@ -32,6 +41,7 @@ void Driver::dispatch_ready(const Reply& reply, double t) {
     collect(t);
     // Commands run one after the other: this is the ok of the one that waited for a person.
     panel_waits_ = false;
+    panel_words_ = 0;
     if (std::exchange(printer_waits_, false)) go_on(t);
     if (!ok->sensors.empty()) note_sensors(ok->sensors);
     if (job_) job_->on_ok(link_, !ok->sensors.empty(), t);
@@ -58,6 +68,9 @@ void Driver::dispatch_ready(const Reply& reply, double t) {
       if (job_ && job_->goes_on()) {
         printer_waits_ = true;
         job_->pause(true, busy->why);
+      } else if (job_ && job_->ending() &&
+                 panel_words_ < (offers("EMERGENCY_PARSER") ? kMostWordsOutOfBand : kMostPanelWords)) {
+        leave_panel(t);  // a filament change waits more than once
       }
     }
   } else if (std::holds_alternative<Start>(reply)) {
@@ -80,8 +93,10 @@ void Driver::dispatch_ready(const Reply& reply, double t) {
 void Driver::on_echo(const std::string& text) {
   if (queries_unanswered_ == 0) emit(Message{text});
   if (!job_) return;
-  if (text.starts_with("too long extrusion") || (text.starts_with(kUnknown) && !was_sent(text)))
-    ++odd_commands_;
+  const bool unknown = text.starts_with(kUnknown), meant = unknown && was_sent(text);
+  if (text.starts_with("too long extrusion") || (unknown && !meant)) ++odd_commands_;
+  // Whoever wrote the file wanted a person here, to change the filament.
+  if (meant && may_wait_for_person(quoted_in(text))) job_->pause(true, text);
   // From here on the print lacks filament: a person decides whether it is worth going on.
   if (text.find("extrusion prevented") != std::string::npos) job_->pause(true, text);
 }
@@ -89,9 +104,8 @@ void Driver::on_echo(const std::string& text) {
 // Whether what the firmware does not know stands in a line of ours: then the line was not damaged. Marlin
 // quotes all of it, Klipper its first word.
 bool Driver::was_sent(std::string_view refusal) const {
-  const auto first = refusal.find('"'), last = refusal.rfind('"');
-  if (first == last) return false;
-  const std::string_view quoted = refusal.substr(first + 1, last - first - 1);
+  const std::string_view quoted = quoted_in(refusal);
+  if (quoted.empty()) return false;
   const std::string wanted = without_blanks(quoted);
   const Window& window = link_.window();
   for (std::uint32_t n = window.next_number(), i = 0; i < kLookBack && n > window.first_kept(); ++i) {

@@ -55,7 +55,7 @@ void Driver::resume(double t) {
 void Driver::leave_panel(double t) {
   printer_waits_ = false;
   if (!std::exchange(panel_waits_, false)) return;
-  if (!parked_ || parked_->knows_m108) link_.send_raw("M108", true, t);
+  if (!parked_ || parked_->knows_m108) link_.send_raw("M108", true, t), ++panel_words_;
   link_.note_progress(t);
 }
 
@@ -78,10 +78,11 @@ std::vector<std::string> Driver::last_lines(std::vector<std::string> lines) {
 void Driver::cancel(const std::string& reason, double t) {
   stamp_.look();
   if (!job_) return;
+  leave_panel(t);
+  if (job_->ending()) return;
   std::vector<std::string> lines = options_.cancel_gcode;
   for (std::string& line : heaters_off(firmware_)) lines.push_back(std::move(line));
-  if (!job_->ending() && !reason.empty()) emit(Message{"cancelled: " + reason});
-  leave_panel(t);
+  if (!reason.empty()) emit(Message{"cancelled: " + reason});
   job_->end(last_lines(std::move(lines)), PrintCancelled{}, link_, t);
   settle(t);
 }

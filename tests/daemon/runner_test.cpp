@@ -140,6 +140,9 @@ TEST_CASE("cancel ends the print through the printer, and the record tells") {
   rig.runner->cancel(std::nullopt, "");
   CHECK(rig.state_of("a.stl") == State::cancelling);
   CHECK(rig.printer.count("cancel") == 1);
+  rig.runner->cancel(std::nullopt, "");  // it may wait at its panel again
+  CHECK(rig.state_of("a.stl") == State::cancelling);
+  CHECK(rig.printer.count("cancel") == 2);
   rig.printer.say(fw::PrintCancelled{}, 2);
   rig.loop.run();
   REQUIRE(rig.store->history().size() == 1);

@@ -254,6 +254,33 @@ TEST_CASE("a printer that pauses when all is sent is told as a pause, and going 
   }
 }
 
+TEST_CASE("a cancel ends all of a printer's waits for a person, and leaves room for an emergency",
+          "[dialect]") {
+  mock::Options options = mock::make_mock().cold_extrusion().instant_moves().build();
+  options.emergency_parser = GENERATE(false, true);
+  options.pause_waits = GENERATE(1, 2, 3, 50);
+  CAPTURE(options.emergency_parser, options.pause_waits);
+  MockBench bench(options);
+  REQUIRE(bench.connect());
+  bench.print({"M104 S60", "M140 S50", "G1 X10 F600", "M600", "G1 X1"});
+  REQUIRE(bench.run_until([&] { return bench.count<Paused>() > 0; }));
+  bench.run_for(100);
+  bench.driver.cancel("", bench.t());
+  bench.run_for(60);
+  if (options.pause_waits == 50) {
+    CHECK_FALSE(bench.over());
+    bench.driver.halt("button", bench.t());
+    bench.run_for(1);
+    CHECK(bench.printer.halted());
+    return;
+  }
+  if (!bench.over()) bench.driver.cancel("", bench.t());
+  bench.run_for(10);
+  CHECK(bench.count<PrintCancelled>() == 1);
+  CHECK(bench.printer.hotend().target() == 0);
+  CHECK(bench.printer.bed().target() == 0);
+}
+
 TEST_CASE("a print on a printer that waits for a person begins as a pause", "[dialect]") {
   mock::Options options = mock::make_mock().cold_extrusion().instant_moves().emergency_parser().build();
   options.dialect.busy = false;

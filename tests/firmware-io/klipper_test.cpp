@@ -231,3 +231,21 @@ TEST_CASE("a Klipper that is shut down fails the print in its words", "[klipper]
   REQUIRE(bench.count<PrintFailed>() == 1);
   CHECK_THAT(bench.find<PrintFailed>()->reason, Catch::Contains("not heating at expected rate"));
 }
+
+TEST_CASE("a wait for a person that the firmware does not know is a pause of the print", "[klipper]") {
+  const std::string firmware = GENERATE("klipper", "marlin2", "repetier");
+  CAPTURE(firmware);
+  MockBench bench(mock::make_mock().firmware(firmware).instant_moves().cold_extrusion().build());
+  REQUIRE(bench.connect());
+  std::vector<std::string> file = moves(20);
+  file.insert(file.begin() + 10, firmware == "klipper" ? "M600" : "M226 P1");
+  bench.print(file);
+  REQUIRE(bench.run_until([&] { return bench.count<Paused>() > 0; }));
+  CHECK(bench.find<Paused>()->reason.find("nknown command") != std::string::npos);
+  bench.run_for(60);
+  CHECK_FALSE(bench.over());
+  CHECK(std::count(bench.log.begin(), bench.log.end(), file[11]) == 0);
+  bench.driver.resume(bench.t());
+  REQUIRE(bench.run_until([&] { return bench.over(); }));
+  CHECK(bench.count<PrintFinished>() == 1);
+}

@@ -301,14 +301,21 @@ bool MockMarlin::execute_macro(const Command& c) {
 }
 
 void MockMarlin::pause_for_user(std::string_view action) {
-  after_drain([this, paused = std::string(action)] {
+  const auto wait = [this] {
     user_wait_ = true;
-    if (!paused.empty()) write_line("//action:" + paused);
     write(
         "//action:prompt_end\n//action:prompt_begin Paused\n//action:prompt_button Continue\n"
         "//action:prompt_show\n");
+  };
+  after_drain([this, wait, paused = std::string(action)] {
+    if (!paused.empty()) write_line("//action:" + paused);
+    wait();
   });
   tasks_.push_back({.kind = Task::Kind::kUser});
+  for (int i = 1; i < options_.pause_waits; ++i) {
+    tasks_.push_back({.kind = Task::Kind::kCall, .action = wait});
+    tasks_.push_back({.kind = Task::Kind::kUser});
+  }
   if (!action.empty())
     tasks_.push_back({.kind = Task::Kind::kCall, .action = [this] { write_line("//action:resumed"); }});
 }

@@ -33,6 +33,7 @@ struct Options {
   double busy_interval_s = 2;
   double leveling_s = 30;  ///< G29
   double tuning_s = 600;   ///< M303
+  int pause_waits = 1;     ///< so often M600 waits: to load, to heat again, to purge
   double homing_speed_mm_s = 50;
   HeaterModel hotend{};
   HeaterModel bed{25, 125, 250, 120};
