@@ -63,7 +63,9 @@ TEST_CASE("a cancel at the MakerBot's panel cancels the job") {
   rig.start_daemon();
   mesh::write_model(box(30, 20, 4), rig.inbox() / "tile.stl");
   REQUIRE(rig.wait_for_history(1, 180));
-  CHECK(rig.history().at(0).at("state") == "cancelled");
+  const auto row = rig.history().at(0);
+  INFO(row.dump(2));
+  CHECK(row.at("state") == "cancelled");
 }
 
 TEST_CASE("G-code that a MakerBot cannot carry out to its end does not begin") {

@@ -1,5 +1,5 @@
 # Installs the engine, moves it elsewhere, and builds and runs a program against it there.
-# cmake -DBUILD= -DSOURCE= -DSCRATCH= -DCXX= -DTYPE= -DFLAGS= -P install_test.cmake
+# cmake -DBUILD= -DSOURCE= -DSCRATCH= -DCXX= -DGENERATOR= -DTYPE= -DFLAGS= -P install_test.cmake
 set(prefix ${SCRATCH}/moved)
 file(REMOVE_RECURSE ${SCRATCH})
 file(MAKE_DIRECTORY ${SCRATCH})
@@ -60,7 +60,8 @@ facet(10 0 0 10 20 0 10 20 40)
 facet(10 0 0 10 20 40 10 0 40)
 file(WRITE ${SCRATCH}/bar.stl "${stl}endsolid bar\n")
 
-run(${CMAKE_COMMAND} -S ${SOURCE}/tests/install/consumer -B ${SCRATCH}/consumer -DCMAKE_PREFIX_PATH=${prefix}
+run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE}/tests/install/consumer -B ${SCRATCH}/consumer
+  -DCMAKE_PREFIX_PATH=${prefix}
   -DCMAKE_CXX_COMPILER=${CXX} "-DCMAKE_CXX_FLAGS=${FLAGS} -Wall -Wextra")
 run(${CMAKE_COMMAND} --build ${SCRATCH}/consumer)
 run(${SCRATCH}/consumer/consumer ${SCRATCH}/bar.stl ${SCRATCH}/bar.gcode)
