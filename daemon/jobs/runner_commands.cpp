@@ -169,6 +169,7 @@ void Runner::halted(const std::string& name, const std::string& reason) {
     if (!name.empty() && one->name() != name) continue;
     one->memory.held = reason;
     one->memory.bed_clear = false;
+    if (one->pins()) one->pins()->cut();  // again: a bed-clear on its way may have forgiven it
     s_.log.warning("halt", {{"printer", one->name()}, {"reason", reason}});
     if (const Job* job = job_on(*one)) happen(job->id, Event::halt, [reason](Job& j) { j.message = reason; });
     save_memory(*one);

@@ -124,6 +124,25 @@ TEST_CASE("a stop by command cuts the power too, before the printer hears of it"
   CHECK(rig.shown("power") == "cut off");
 }
 
+TEST_CASE("a bed-clear that crossed an emergency stop on its way leaves no power on") {
+  PinRig rig;
+  rig.connect();
+  rig.drop("a.stl");
+  REQUIRE(rig.reaches("a.stl", State::waiting_bed));
+  rig.runner->printers()[0]->halt_now("emergency stop");
+  rig.runner->bed_clear("");
+  rig.loop.run();
+  rig.runner->halted("", "emergency stop");
+  rig.loop.run();
+  CHECK_FALSE(rig.pins.active("relay"));
+  CHECK(rig.shown("power") == "cut off");
+  rig.loop.advance(10);
+  CHECK(rig.state_of("a.stl") == State::waiting_bed);
+  rig.runner->bed_clear("");
+  rig.loop.run();
+  CHECK(rig.pins.active("relay"));
+}
+
 TEST_CASE("an emergency stop that is pulled when the daemon starts lets nothing begin") {
   PinRig rig;
   rig.pins.set("stop", true);
