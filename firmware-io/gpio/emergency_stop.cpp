@@ -35,9 +35,9 @@ EmergencyStop::~EmergencyStop() {
 }
 
 void EmergencyStop::stop(const std::string& reason) {
+  pulled_ = true;  // first: who forgives cuts looks at them, then at this
   actions_.cut();
   actions_.halt();
-  pulled_ = true;
   actions_.report(true, reason);
 }
 

@@ -35,7 +35,7 @@ class EmergencyStop {
   EmergencyStop(const EmergencyStop&) = delete;
   EmergencyStop& operator=(const EmergencyStop&) = delete;
 
-  /// Pulled, as far as the thread has seen. Any thread.
+  /// Pulled, as far as the thread has seen; before the power is cut for it. Any thread.
   bool pulled() const noexcept { return pulled_.load(); }
 
  private:

@@ -177,6 +177,20 @@ TEST_CASE("a pulled switch cuts the power, then halts, then tells") {
   CHECK(deeds.list()[4] == "cut");
 }
 
+TEST_CASE("a switch counts as pulled before the power is cut, so that nobody forgives that cut") {
+  FakePins pins;
+  Deeds deeds;
+  const EmergencyStop* seen = nullptr;
+  auto actions = record(deeds);
+  actions.cut = [&] { deeds.add(seen->pulled() ? "cut, pulled" : "cut, free"); };
+  EmergencyStop stop(pins.input(pin("stop"), "test"), {}, std::move(actions));
+  seen = &stop;
+  SECTION("pulled") { pins.set("stop", true); }
+  SECTION("lost") { pins.fail("stop", "the chip is gone"); }
+  REQUIRE(deeds.wait_for(3));
+  CHECK(deeds.list()[0] == "cut, pulled");
+}
+
 TEST_CASE("however short, a pull is seen") {
   FakePins pins;
   Deeds deeds;
