@@ -131,6 +131,7 @@ void Driver::pump(double t) {
   }
   if (job_ && queries_unanswered_ == 0) job_->feed(link_, t);
   drop_finished_job();
+  if (link_.wants_end()) link_.ask_end(t);
   if (link_.wants_probe() && link_.may_send("M105")) link_.ask(t);
 }
 

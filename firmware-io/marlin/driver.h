@@ -90,6 +90,7 @@ class Driver final : public Dialogue {
   bool was_sent(std::string_view refused) const;
   void on_error(const Error& error, double t);
   void on_restart(double t);
+  void waits_no_more(double t);
   void go_on(double t);
   void leave_panel(double t);
   std::vector<std::string> last_lines(std::vector<std::string> lines);
@@ -141,6 +142,7 @@ class Driver final : public Dialogue {
   bool end_probed_ = false;
   bool packed_once_ = false;  ///< the firmware may still unpack
   double asked_t_ = 0;        ///< the handshake's last question
+  bool name_told_ = false;    ///< to the link: what follows, up to the next ok, belongs to it
   bool connected_ = false;
   std::string last_loss_;
   bool urgent_ = false;

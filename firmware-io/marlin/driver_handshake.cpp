@@ -70,6 +70,7 @@ void Driver::greet(double t) {
   link_.set_colon_ends_line(true);
   link_.set_dense(false);
   link_.set_piecewise(false);
+  link_.set_ok_at_enqueue(false);
   // A firmware that was not reset may still unpack; one that knows nothing of it is spared the bytes at
   // first.
   if (packed_once_ || greetings_ > 1) link_.output() += kPackingOff;
@@ -193,6 +194,7 @@ void Driver::become_ready(double t) {
   link_.set_colon_ends_line(colon_ends_line(firmware_.name));
   link_.set_dense(marlin_2);
   link_.set_piecewise(marlin_2);
+  link_.set_ok_at_enqueue(firmware_.name.find("Repetier") != firmware_.name.npos);
   autoreport_ = offers("AUTOREPORT_TEMP");
   if (reports_by_itself()) {
     controls_.push_back("M155 S1");

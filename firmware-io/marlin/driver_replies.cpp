@@ -38,11 +38,9 @@ std::string without_blanks(std::string_view text) {
 
 void Driver::dispatch_ready(const Reply& reply, double t) {
   if (const auto* ok = std::get_if<Ok>(&reply)) {
+    name_told_ = false;
     collect(t);
-    // Commands run one after the other: this is the ok of the one that waited for a person.
-    panel_waits_ = false;
-    panel_words_ = 0;
-    if (std::exchange(printer_waits_, false)) go_on(t);
+    waits_no_more(t);
     if (!ok->sensors.empty()) note_sensors(ok->sensors);
     if (job_) job_->on_ok(link_, !ok->sensors.empty(), t);
     drop_finished_job();
@@ -80,14 +78,25 @@ void Driver::dispatch_ready(const Reply& reply, double t) {
   } else if (const auto* echo = std::get_if<Echo>(&reply)) {
     on_echo(echo->text);
   } else if (const auto* other = std::get_if<Other>(&reply)) {
-    if (queries_unanswered_ == 0) emit(Message{other->text});
+    if (queries_unanswered_ == 0 && !name_told_) emit(Message{other->text});
   } else if (const auto* state = std::get_if<PackState>(&reply)) {
     packing_answered(*state);
   } else if (const auto* overrun = std::get_if<Overrun>(&reply)) {
     emit(Message{overrun->text});
   } else if (const auto* firmware = std::get_if<Firmware>(&reply)) {
-    emit(Message{firmware->info.name});
+    name_told_ = link_.on_name(t);
+    if (!name_told_) return emit(Message{firmware->info.name});
+    collect(t);
+    waits_no_more(t);
   }
+}
+
+// Commands run one after the other: that of which this is the ok, or the end, was the one that waited for a
+// person.
+void Driver::waits_no_more(double t) {
+  panel_waits_ = false;
+  panel_words_ = 0;
+  if (std::exchange(printer_waits_, false)) go_on(t);
 }
 
 void Driver::on_echo(const std::string& text) {

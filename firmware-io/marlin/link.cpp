@@ -27,6 +27,10 @@ constexpr int kWaitsThatMeanLoss = 2;
 constexpr std::uint64_t kQuietLines = 2000;
 
 const std::string_view kQuestion = "M105";
+// Its answer is nothing else's: Repetier's homing says where it is, its heating says temperatures, unasked.
+const std::string_view kEndQuestion = "M115";
+// More would keep out what is urgent. Unanswered for long, the command is taken to be over.
+constexpr int kMostEndQuestions = 2;
 // Garbage is common where the wire is bad or the firmware talkative.
 constexpr double kBetweenQuestions_s = 1;
 // Where a silence was mere work, the next question waits twice as long, up to this. It comes back by half
@@ -37,6 +41,9 @@ constexpr int kOksToForget = 64;
 // meanwhile, every 2 s, is at work.
 constexpr double kAskAgain = 10;
 constexpr int kMostQuestions = 2;
+
+// One `wait` may have been said before the command came.
+constexpr int kWaitsThatMeanDone = 2;
 
 // A bare ok may be one of so many too many; the next is then not the long line's own either.
 constexpr int kOksThatMeanDone = 16;
@@ -61,8 +68,10 @@ void Link::restart(std::uint32_t last) {
   window_.restart(last);
   outstanding_.clear();
   tail_.clear();
-  long_number_ = 0;
-  questions_open_ = 0;
+  long_number_ = unfinished_ = 0;
+  end_due_ = false;
+  questions_open_ = ends_unanswered_ = 0;
+  end_heard_t_ = 0;
   wire_free_t_ = earliest_free_t_ = 0;
   wire_is_faster_ = wire_is_brake_ = false;
   pace_ = 1;
@@ -133,6 +142,7 @@ void Link::break_line() {
 
 // Another text has another checksum, which may be longer.
 bool Link::may_send(std::string_view payload) const {
+  if (unfinished_ > 0 && payload != kQuestion) return false;
   return loses_colons(payload) ? window_.may_send(without_colons(payload)) : window_.may_send(payload);
 }
 
@@ -141,6 +151,7 @@ void Link::send(std::string_view payload, Tag tag, double t) {
   const std::uint32_t number = window_.next_number();
   outstanding_.push_back({number, tag});
   if (tag.is_long) long_number_ = number, oks_past_long_ = 0;
+  if (tag.is_long && ok_at_enqueue_) unfinished_ = number, end_due_ = true, ends_asked_ = 0;
   if (payload == kQuestion) ++questions_open_;
   const std::string_view bytes = window_.send(payload);
   tail_ = bytes.substr(bytes.size() - static_cast<std::size_t>(window_.withheld()));
@@ -183,6 +194,9 @@ void Link::on_reply(const Reply& reply, double t) {
     window_.on_framing_error(error->last_line);
   } else if (std::holds_alternative<Wait>(reply)) {
     window_.on_other_line();
+    // Nothing is queued: the answer was lost.
+    if (unfinished_ > 0 && !end_due_ && window_.idle() && ++waits_behind_ >= kWaitsThatMeanDone)
+      end_length(t);
     if (++waits_ >= kWaitsThatMeanLoss && window_.waiting()) {
       waits_ = 0;
       window_.on_stall();
@@ -235,6 +249,43 @@ void Link::note_length_done(const Ok& ok) noexcept {
   if (sure || ++oks_past_long_ >= kOksThatMeanDone) long_number_ = 0;
 }
 
+bool Link::wants_end() const { return end_due_ && window_.may_send(kEndQuestion); }
+
+void Link::ask_end(double t) {
+  end_due_ = false;
+  end_asked_t_ = t;
+  waits_behind_ = 0;
+  ++ends_asked_;
+  ++ends_unanswered_;
+  send(kEndQuestion, {}, t);
+}
+
+bool Link::on_name(double t) {
+  if (ends_unanswered_ == 0) return false;
+  // The others may be lost, or about to be answered as well.
+  if (--ends_unanswered_ == 0)
+    end_length(t);
+  else
+    end_heard_t_ = t;
+  return true;
+}
+
+void Link::end_length(double t) {
+  unfinished_ = 0;
+  end_due_ = false;
+  ends_unanswered_ = 0;
+  end_heard_t_ = 0;
+  note_progress(t);
+}
+
+double Link::ask_end_at() const {
+  if (end_heard_t_ > 0) return end_heard_t_ + quiet_after_s();
+  if (unfinished_ == 0 || end_due_ || held_ || !window_.idle()) return kNever;
+  const double at_last = end_asked_t_ + timing_.long_silence_s;
+  if (ends_asked_ >= kMostEndQuestions) return at_last;
+  return std::min(std::max(received_t_, end_asked_t_) + timing_.silence_s, at_last);
+}
+
 double Link::ask_at() const {
   if (window_.draining() || !window_.waiting() || held_ || !window_.may_ask(kQuestion)) return kNever;
   const bool is_long = long_outstanding();
@@ -263,6 +314,7 @@ void Link::ask(double t) {
 
 std::optional<Tag> Link::take_acknowledged() {
   if (outstanding_.empty() || outstanding_.front().number > window_.acknowledged()) return {};
+  if (unfinished_ > 0 && outstanding_.front().number >= unfinished_) return {};
   const Tag tag = outstanding_.front().tag;
   const Outstanding& line = outstanding_.front();
   if (std::isfinite(line.gone_t)) {
@@ -300,8 +352,8 @@ double Link::stall_after_s() const noexcept {
 double Link::deadline() const {
   if (window_.draining()) return drained_at();
   if (stranded()) return patience_t_ + timing_.patience_s;
-  if (!window_.waiting() || held_) return kNever;
-  double next = std::min(progress_t_ + stall_after_s(), ask_at());
+  if (!window_.waiting() || held_) return ask_end_at();
+  double next = std::min({progress_t_ + stall_after_s(), ask_at(), ask_end_at()});
   if (window_.throttled() || window_.answers_missing())
     next = std::min(next, patience_t_ + timing_.patience_s);
   return next;
@@ -316,6 +368,12 @@ void Link::elapsed(double t) {
     return;
   }
   if (stranded() && t >= patience_t_ + timing_.patience_s) question_due_ = true, patience_t_ = t;
+  if (t >= ask_end_at()) {
+    if (end_heard_t_ > 0 || ends_asked_ >= kMostEndQuestions)
+      end_length(t);
+    else
+      end_due_ = true;
+  }
   if (!window_.waiting() || held_) return;
   const bool impatient = window_.throttled() || window_.answers_missing();
   if (impatient && t >= patience_t_ + timing_.patience_s) window_.on_patience(), patience_t_ = t;

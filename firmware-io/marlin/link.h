@@ -62,6 +62,9 @@ class Link {
   void set_dense(bool on) noexcept { window_.set_dense(on); }
   /// Whether a colon ends a line, as in firmware before Marlin 1.1: then a point goes in its place.
   void set_colon_ends_line(bool on) noexcept { colon_ends_line_ = on; }
+  /// Whether an ok says "in the queue": then a long command is over, and acknowledged, when a question behind
+  /// it has been answered.
+  void set_ok_at_enqueue(bool on) noexcept { ok_at_enqueue_ = on; }
   /// After all was forgotten: nothing is packed.
   void forget_packing() noexcept { window_.set_packing(false), packed_once_ = false; }
   /// Until then oks may be left lying: when the last one has come that comes before the wire runs dry, so
@@ -74,7 +77,7 @@ class Link {
   /// Whether moves may go in pieces, so that the printer's receive buffer is always full.
   void set_piecewise(bool on) noexcept { window_.set_piecewise(on); }
   bool may_send(std::string_view payload) const;
-  bool may_begin(std::string_view payload) const { return window_.may_begin(payload); }
+  bool may_begin(std::string_view payload) const { return unfinished_ == 0 && window_.may_begin(payload); }
   void send(std::string_view payload, Tag tag, double t);
   /// Without a number. `answered`: an ok comes back for it. A line begun before is sent to its end, or ended
   /// where it is by a newline that `text` begins with.
@@ -110,13 +113,21 @@ class Link {
   /// It may be silent from now on.
   void forget_busy() noexcept { busy_seen_ = false; }
 
+  /// That question is to be sent.
+  bool wants_end() const;
+  void ask_end(double t);
+  /// The firmware said its name; false where that was no answer to ask_end().
+  bool on_name(double t);
+
   std::optional<Tag> take_acknowledged();
   double deadline() const;
   void elapsed(double t);
 
   bool all_acknowledged() const noexcept { return window_.idle(); }
   /// A long command may be out: what is sent now stands in the firmware's queue until it is over.
-  bool waits_at_length() const noexcept { return may_be_at_length() && window_.waiting(); }
+  bool waits_at_length() const noexcept {
+    return unfinished_ > 0 || (may_be_at_length() && window_.waiting());
+  }
   /// Every M105 that was sent has had an answer of its own, as far as answers can be told apart: whatever was
   /// acknowledged, by an ok too many, is another matter.
   bool questions_answered() const noexcept { return questions_open_ == 0; }
@@ -152,13 +163,17 @@ class Link {
   void stop_packing();
   double drained_at() const noexcept;
   bool long_outstanding() const noexcept;
-  bool may_be_at_length() const noexcept { return long_number_ > 0; }
+  bool may_be_at_length() const noexcept { return long_number_ > 0 || unfinished_ > 0; }
   void note_length_done(const Ok& ok) noexcept;
   double stall_after_s() const noexcept;
   double ask_at() const;
+  double ask_end_at() const;
+  void end_length(double t);
   /// A request out of its time has taken lines out of flight whose oks then belong to nothing: only a
   /// question tells that they are done.
-  bool stranded() const noexcept { return window_.idle() && !outstanding_.empty() && !held_; }
+  bool stranded() const noexcept {
+    return window_.idle() && !outstanding_.empty() && unfinished_ == 0 && !held_;
+  }
   void note_missed_ok() noexcept;
   void follow_wire() noexcept;
   void note_gone(Outstanding& line) const noexcept {
@@ -178,6 +193,14 @@ class Link {
   std::deque<Outstanding> outstanding_;
   std::uint32_t long_number_ = 0;  ///< the last long line, until it is surely done; its ok may be another's
   int oks_past_long_ = 0;
+  bool ok_at_enqueue_ = false;
+  std::uint32_t unfinished_ = 0;  ///< the long line that is in the queue or at work, as far as is known
+  bool end_due_ = false;
+  int ends_asked_ = 0;  ///< behind it
+  int ends_unanswered_ = 0;
+  double end_asked_t_ = 0;
+  double end_heard_t_ = 0;  ///< 0: not yet
+  int waits_behind_ = 0;    ///< `wait` since, when all was in the queue
   double round_trip_s_ = 0;
   double wire_free_t_ = 0;      ///< when the last byte written has gone, as estimated
   double earliest_free_t_ = 0;  ///< the same on the fastest wire of that name

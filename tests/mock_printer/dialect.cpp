@@ -84,6 +84,7 @@ Dialect repetier() {
   d.no_checksum = "Missing checksum ";
   d.repeats_silent = false;
   d.ok_at_enqueue = true;
+  d.tells_wait = false;
   d.busy = false;
   d.autoreport = false;
   d.colon_ends_line = true;
@@ -123,7 +124,7 @@ Dialect klipper() {
       "firmware, reload the\n// config, and restart the host software.\n// Printer is shutdown\n";
   d.stopped = "Shutdown due to M112 command\n";
   d.power_off.clear();
-  d.checks_lines = d.busy = d.autoreport = d.repeats_silent = false;
+  d.checks_lines = d.busy = d.autoreport = d.repeats_silent = d.tells_wait = false;
   d.blank_ok = d.identity_in_ok = d.refuses = d.lives_on = d.halts_early = d.bare_temperatures = true;
   d.queue = 20;
   d.commands = {"G0",

@@ -41,7 +41,8 @@ struct Dialect {
   bool refuses = false;         ///< moves before homing and cold extrusions are left undone, and `!!` says so
   bool lives_on = false;        ///< after a halt each line is still answered, and FIRMWARE_RESTART ends it
   bool halts_early = false;     ///< M112 is seen ahead of what is queued, while the queue has room
-  bool bare_temperatures = false;     ///< B first, one decimal, no power, no W while it waits
+  bool tells_wait = true;       ///< W behind the temperatures while it waits for one
+  bool bare_temperatures = false;     ///< B first, one decimal, no power
   std::size_t queue = 0;              ///< commands read ahead; 0: as the options say
   std::vector<std::string> commands;  ///< all it knows; empty: all the mock does
   std::string unknown = "echo:Unknown command: ";

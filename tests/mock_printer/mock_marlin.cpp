@@ -351,8 +351,9 @@ bool MockMarlin::task_done(Task& task) {
       }
       if (now_ >= task_until_) {
         if (task_until_ >= 0) {
-          write_line(options_.dialect.bare_temperatures ? temperatures()
-                                                        : " " + temperatures() + task.heat->countdown(now_));
+          const Dialect& dialect = options_.dialect;
+          write_line((dialect.bare_temperatures ? "" : " ") + temperatures() +
+                     (dialect.tells_wait ? task.heat->countdown(now_) : ""));
           totals_.heating_s += 1;
         }
         task_until_ = now_ + 1;
