@@ -68,6 +68,36 @@ TEST_CASE("a heating ends with the heating, not when it is in the queue", "[enqu
       CHECK(message->text.find("Repetier") == message->text.npos);
 }
 
+TEST_CASE("a print is measured alike whenever a firmware says ok", "[enqueue]") {
+  std::vector<std::string> file = {"G28", "M104 S120", "M190 S60", "M109 S120"};
+  for (int i = 0; i < 60; ++i) file.push_back(i % 2 == 0 ? "G1 X50 F3000" : "G1 X0");
+  file.insert(file.begin() + 30, "G4 S5");
+  struct Measured {
+    double heating_s = 0, moving_s = 0;
+  };
+  const auto measured = [&](const std::string& firmware) {
+    mock::Options options = repetier();
+    options.dialect = *mock::find_dialect(firmware);
+    MockBench bench(options);
+    REQUIRE(bench.connect());
+    bench.print(file);
+    REQUIRE(bench.run_until([&] { return bench.over(); }, 3600));
+    Measured sum;
+    for (const Event& event : bench.events) {
+      if (const auto* heating = std::get_if<Heating>(&event.what))
+        sum.heating_s += heating->on ? -event.at_s : event.at_s;
+      if (std::holds_alternative<MotionStarted>(event.what)) sum.moving_s = -event.at_s;
+      if (std::holds_alternative<PrintFinished>(event.what)) sum.moving_s += event.at_s;
+    }
+    return sum;
+  };
+  const Measured early = measured("repetier"), late = measured("marlin1");
+  CHECK(late.heating_s > 60);
+  CHECK(late.moving_s > 60);
+  CHECK(early.heating_s == Approx(late.heating_s).margin(1));
+  CHECK(early.moving_s == Approx(late.moving_s).margin(0.5));
+}
+
 TEST_CASE("an emergency stop is heard during a long command that has its ok", "[enqueue]") {
   mock::Options options = repetier();
   options.leveling_s = 600;
