@@ -21,6 +21,8 @@ constexpr double kLongest_s = 3 * 3600;
 constexpr double kKlipperStarts_s = 1;
 // Where a print waits for a person, one comes after so long and lets it go on.
 constexpr double kPersonComes_s = 60;
+// And so long after the last line somebody looks at the panel: not every printer says that it waits.
+constexpr double kPersonLooks_s = 1800;
 
 /// Dice that fall the same on every machine.
 class Dice {
@@ -38,14 +40,15 @@ class Dice {
   std::mt19937_64 random_;
 };
 
-std::vector<std::string> make_file(Dice& dice, std::size_t lines, bool level) {
+std::vector<std::string> make_file(Dice& dice, std::size_t lines, bool level, bool heat) {
   std::vector<std::string> file = {"G21", "G90", "M82"};
+  if (heat) file.insert(file.end(), {"M140 S60", "M109 S200", "M190 S60"});
   if (level) file.push_back("G29");
   for (std::size_t i = 0; i < lines; ++i)
     file.push_back("G1 X" + mock::fixed(dice.between(0, 200), 3) + " Y" +
                    mock::fixed(dice.between(0, 200), 3) + " E" +
                    mock::fixed(static_cast<double>(i) * 0.04321, 5));
-  file.push_back("M107");
+  file.push_back("M220 S100");
   return file;
 }
 
@@ -70,9 +73,11 @@ Fault once(FaultKind kind, FaultTrigger trigger, double at) {
 Fault any_fault(Dice& dice, std::size_t lines, bool wired, std::string& what) {
   static constexpr FaultKind kBytes[] = {FaultKind::kFlipByte, FaultKind::kDropByte, FaultKind::kDoubleByte,
                                          FaultKind::kInsertByte};
+  static constexpr FaultKind kLines[] = {FaultKind::kDropLine, FaultKind::kGarbleLine,
+                                         FaultKind::kDoubleLine};
   const double line = 10 + static_cast<double>(dice.below(lines));
   Fault fault;
-  constexpr std::size_t kOfWires = 9, kAll = 14;
+  constexpr std::size_t kOfWires = 13, kAll = 20;
   switch (wired ? dice.below(kAll) : kOfWires + dice.below(kAll - kOfWires)) {
     case 0:
     case 1:
@@ -101,17 +106,33 @@ Fault any_fault(Dice& dice, std::size_t lines, bool wired, std::string& what) {
       fault.outwards = dice.one_in(2);
       return fault;
     case 9:
+    case 10:
+    case 11:
+      what += " lines";
+      return by_chance(kLines[dice.below(3)], dice.rate(1e-3, 0.1));
+    case 12:
+      what += " spurious-resend";
+      return by_chance(FaultKind::kSpuriousResend, dice.rate(1e-3, 0.1));
+    case 13:
+      what += " filament";
+      return once(FaultKind::kPause, FaultTrigger::kLine, line);
+    case 14:
+      what += " dead-heater";
+      fault = once(FaultKind::kDeadHeater, FaultTrigger::kLine, line);
+      if (dice.one_in(2)) fault.heater = "bed";
+      return fault;
+    case 15:
       what += " reset";
       return once(FaultKind::kReset, FaultTrigger::kLine, line);
-    case 10:
+    case 16:
       what += " halt";
       return once(FaultKind::kHalt, FaultTrigger::kLine, line);
-    case 11:
+    case 17:
       what += " unplug";
       fault = once(FaultKind::kUnplug, FaultTrigger::kLine, line);
       fault.seconds = dice.between(0.1, 5);
       return fault;
-    case 12:
+    case 18:
       what += " silence";
       fault = once(FaultKind::kSilence, FaultTrigger::kLine, line);
       fault.seconds = dice.between(0.5, 20);
@@ -125,19 +146,27 @@ Fault any_fault(Dice& dice, std::size_t lines, bool wired, std::string& what) {
   }
 }
 
-// Until the print is over, or three hours have passed.
-bool see_through(MockBench& bench, SoakPrint& print) {
+// Until the print is over, or three hours have passed. A user may pause or cancel it meanwhile.
+bool see_through(MockBench& bench, SoakPrint& print, const SoakHooks& hooks) {
   double comes = 0;
-  bool came = false;
+  bool came = false, paused = false, cancelled = false;
+  int done = 0;
+  double looks = bench.t() + kPersonLooks_s;
   return bench.run_until(
       [&] {
+        if (std::exchange(done, bench.count<fw::LineDone>()) != done) looks = bench.t() + kPersonLooks_s;
+        if (bench.t() >= looks) looks += kPersonLooks_s, bench.printer.press_button();
+        if (hooks.pause_at > 0 && done >= hooks.pause_at && !std::exchange(paused, true))
+          bench.driver.pause();
+        if (hooks.cancel_at > 0 && done >= hooks.cancel_at && !std::exchange(cancelled, true))
+          bench.driver.cancel("", bench.t());
         if (bench.count<fw::Paused>() == bench.count<fw::Resumed>()) {
           comes = 0;
           came = false;
         } else if (comes == 0) {
           comes = bench.t() + kPersonComes_s;
-          const auto* paused = bench.find<fw::Paused>(print.pauses++);
-          if (paused && paused->reason.empty()) print.violation = "paused without a reason";
+          const auto* said = bench.find<fw::Paused>(print.pauses++);
+          if (said && said->by_printer && said->reason.empty()) print.violation = "paused without a reason";
         } else if (bench.t() >= comes) {
           // What is in the firmware's queue may stand before M108: then there is the panel.
           if (print.pauses % 2 == 0 || std::exchange(came, true)) bench.printer.press_button();
@@ -200,8 +229,10 @@ SoakPrint play(const mock::Options& options, std::vector<std::string> file, cons
   printing = true;
   last_s = 0;
   bench.print(file);
-  print.ended = see_through(bench, print);
+  print.ended = see_through(bench, print, hooks);
   printing = false;
+  const bool cancelled = bench.count<fw::PrintCancelled>() > 0;
+  if (cancelled) print.reason = "cancelled", bench.run_for(kPersonComes_s);
   print.finished = bench.count<fw::PrintFinished>() > 0;
   if (const auto* failed = bench.find<fw::PrintFailed>()) print.reason = failed->reason;
   if (const auto* stats = bench.find<fw::LinkStats>(bench.count<fw::LinkStats>() - 1))
@@ -220,15 +251,18 @@ SoakPrint play(const mock::Options& options, std::vector<std::string> file, cons
     print.violation = "finished without all lines";
   if (!print.ended) print.violation = "neither finished nor halted";
   if (print.ended && !print.finished && print.reason.empty()) print.violation = "halted without a reason";
+  if (cancelled && print.invisible == 0 &&
+      (bench.printer.hotend().target() > 0 || bench.printer.bed().target() > 0))
+    print.violation = "cancelled and still hot";
   print.bytes_lost = bench.printer.statistics().bytes_dropped;
   return print;
 }
 
 SoakPrint soak_print(std::uint64_t seed, const SoakTrace& trace) {
   Dice dice(seed);
-  static constexpr const char* kFirmwares[] = {"marlin2", "marlin2",  "marlin2",  "marlin1",
-                                               "prusa",   "smoothie", "repetier", "klipper"};
-  const std::string firmware = kFirmwares[dice.below(8)];
+  static constexpr const char* kFirmwares[] = {"marlin2",  "marlin2",  "marlin2", "marlin1", "prusa",
+                                               "smoothie", "repetier", "klipper", "marlin10"};
+  const std::string firmware = kFirmwares[dice.below(9)];
   static constexpr std::size_t kRings[] = {128, 128, 64, 1024};
   static constexpr std::size_t kTerminal = 4096;  // Klipper's, whose writer waits while it is full
   const std::size_t ring = kRings[dice.below(4)];
@@ -256,11 +290,16 @@ SoakPrint soak_print(std::uint64_t seed, const SoakTrace& trace) {
   }
   for (std::size_t n = 1 + dice.below(3); n > 0; --n)
     options.faults.push_back(any_fault(dice, lines, wired, what));
-  const bool slow_reader = dice.one_in(6);
-  if (slow_reader) what += " slow-reader";
-  std::vector<std::string> file = make_file(dice, lines, level);
+  SoakHooks hooks{.trace = trace};
+  if (dice.one_in(6)) hooks.read_every_s = 0.05, what += " slow-reader";
+  const bool heat = dice.one_in(6);
+  if (heat) what += " heated";
+  std::vector<std::string> file = make_file(dice, lines, level, heat);
+  const auto some = [&] { return static_cast<int>(1 + dice.below(file.size())); };
+  if (dice.one_in(8)) hooks.pause_at = some(), what += " paused";
+  if (dice.one_in(8)) hooks.cancel_at = some(), what += " cancelled";
   if (!wired) file.insert(file.begin(), "G28");  // without which it refuses to move
-  SoakPrint print = play(options, std::move(file), {.trace = trace, .read_every_s = slow_reader ? 0.05 : 0});
+  SoakPrint print = play(options, std::move(file), hooks);
   print.what = what;
   return print;
 }
@@ -285,7 +324,7 @@ SoakPrint noisy_print(std::uint64_t seed, const SoakTrace& trace) {
                               .seed(seed)
                               .build();
   options.faults = {by_chance(kKinds[dice.below(5)], kRate), by_chance(kKinds[dice.below(5)], kRate, true)};
-  SoakPrint print = play(options, make_file(dice, 1000, false), {.trace = trace});
+  SoakPrint print = play(options, make_file(dice, 1000, false, false), {.trace = trace});
   print.what = std::to_string(seed) + " " + firmware + (packed ? "+meatpack" : "") + (fast ? " 250000" : "") +
                (far ? " 16 ms" : "") + " one in 10 kB";
   return print;

@@ -27,8 +27,8 @@ struct SoakPrint {
   std::uint64_t bytes_lost = 0;  ///< to a full receive buffer, or while the printer booted
 };
 
-/// Hears the whole dialogue: when, who ('>' the host, '<' the printer, '=' what it took), what; S3G's bytes in
-/// hexadecimal.
+/// Hears the whole dialogue: when, who ('>' the host, '<' the printer, '=' what it took), what; S3G's bytes
+/// in hexadecimal.
 using SoakTrace = std::function<void(double s, char who, std::string_view bytes)>;
 
 /// Prints it: a line each.
@@ -38,6 +38,7 @@ struct SoakHooks {
   SoakTrace trace{};
   std::function<std::string(std::string)> to_printer{}, to_host{};  ///< damage what passes
   double read_every_s = 0;                                          ///< a host too busy to read more often
+  int pause_at = 0, cancel_at = 0;  ///< the user does, after so many lines of the file; 0: never
 };
 
 /// One print of this file on this printer.
