@@ -7,7 +7,9 @@
 #include "tests/support/meshes.h"
 
 #include <algorithm>
+#include <set>
 #include <sstream>
+#include <vector>
 
 #include <catch2/catch.hpp>
 
@@ -38,14 +40,18 @@ TEST_CASE("what is sliced for a MakerBot can be sent to it, every line") {
       fw::s3g::Encoder encoder(daemon::s3g_machine(profile));
       const auto source = fw::open_gcode_file(gcode.string());
       std::size_t moves = 0, ends = 0;
+      std::vector<int> percents;
       while (const auto line = source->next()) {
         for (const auto& action : encoder.encode(line->text).actions) {
           moves += action.kind == fw::s3g::Action::Kind::move ? 1U : 0U;
           ends += static_cast<unsigned char>(action.payload[0]) == 154 ? 1U : 0U;
+          if (static_cast<unsigned char>(action.payload[0]) == 150) percents.push_back(action.payload[1]);
         }
       }
       CHECK(moves > 20);
       CHECK(ends == 1);
+      CHECK(std::is_sorted(percents.begin(), percents.end()));
+      CHECK(std::set<int>(percents.begin(), percents.end()).size() > 10);  // the panel's bar moves
       CHECK_FALSE(encoder.build_started());
     }
   }
