@@ -12,6 +12,14 @@ function(run)
   set(out "${out}" PARENT_SCOPE)
 endfunction()
 
+# ModemManager is kept off a MakerBot, and off the boards and converters that printers are built with.
+file(STRINGS ${SOURCE}/systemd/70-voidpath.rules rule REGEX "ID_MM_DEVICE_IGNORE")
+foreach(vendor 23c1 2c99 27b1 1d50 2341 0483 2e8a 16c0 1a86 0403 10c4)
+  if(NOT rule MATCHES "ID_VENDOR_ID}==\"([0-9a-f]+\\|)*${vendor}[\"|]")
+    message(FATAL_ERROR "no rule keeps ModemManager off ${vendor}")
+  endif()
+endforeach()
+
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${SCRATCH}/first --component development)
 file(RENAME ${SCRATCH}/first ${prefix})
 
