@@ -71,7 +71,7 @@ void read_printer(Reader& r, PrinterConfig& p, const fs::path& base) {
   r.text("material", p.material);
   r.text("quality", p.quality);
   r.text("port", p.port);
-  r.integer("baud", p.baud, {1200, 4000000});
+  r.integer("baud", p.baud, {2400, 4000000});  // 1200 puts a 32U4 or a SAMD in its bootloader
   r.choice("meatpack", p.meatpack, {{"auto", true}, {"off", false}});
   r.integer("keepalive_s", p.keepalive_s, {0, 60});  // 60: Marlin takes no more
   r.flag("reset_on_connect", p.reset_on_connect);

@@ -168,26 +168,17 @@ TEST_CASE("errors name file, line and the nearest valid key") {
 }
 
 TEST_CASE("layers, plate and vase have keys, and what contradicts itself is refused") {
-  const Profile p = load_profile("generic-marlin", {{"slice.adaptive_layers", "true"},
-                                                    {"slice.min_layer_height_mm", "0.1"},
-                                                    {"slice.max_layer_height_mm", "0.3"},
-                                                    {"slice.adaptive_error_mm", "0.02"},
-                                                    {"slice.brim_type", "ears"},
-                                                    {"slice.brim_gap_mm", "0.1"},
-                                                    {"slice.brim_ear_angle_deg", "110"},
-                                                    {"slice.raft_layers", "3"},
-                                                    {"slice.raft_interface_layers", "1"},
-                                                    {"slice.raft_margin_mm", "4"},
-                                                    {"slice.raft_gap_mm", "0.2"},
-                                                    {"slice.xy_compensation_mm", "-0.05"},
-                                                    {"slice.hole_compensation_mm", "0.1"},
-                                                    {"slice.spiral_vase", "true"},
-                                                    {"slice.support_style", "tree"},
-                                                    {"slice.tree_tip_diameter_mm", "1"},
-                                                    {"slice.tree_tip_distance_mm", "4"},
-                                                    {"slice.tree_branch_diameter_mm", "6"},
-                                                    {"slice.tree_branch_angle_deg", "30"},
-                                                    {"filament.first_layer_flow", "1.05"}});
+  const Profile p = load_profile(
+      "generic-marlin", {{"slice.adaptive_layers", "true"},     {"slice.min_layer_height_mm", "0.1"},
+                         {"slice.max_layer_height_mm", "0.3"},  {"slice.adaptive_error_mm", "0.02"},
+                         {"slice.brim_type", "ears"},           {"slice.brim_gap_mm", "0.1"},
+                         {"slice.brim_ear_angle_deg", "110"},   {"slice.raft_layers", "3"},
+                         {"slice.raft_interface_layers", "1"},  {"slice.raft_margin_mm", "4"},
+                         {"slice.raft_gap_mm", "0.2"},          {"slice.xy_compensation_mm", "-0.05"},
+                         {"slice.hole_compensation_mm", "0.1"}, {"slice.spiral_vase", "true"},
+                         {"slice.support_style", "tree"},       {"slice.tree_tip_diameter_mm", "1"},
+                         {"slice.tree_tip_distance_mm", "4"},   {"slice.tree_branch_diameter_mm", "6"},
+                         {"slice.tree_branch_angle_deg", "30"}, {"filament.first_layer_flow", "1.05"}});
   const auto& s = p.print.slice;
   CHECK(s.adaptive_layers);
   CHECK(s.min_layer_height_mm == 0.1);
@@ -214,7 +205,8 @@ TEST_CASE("layers, plate and vase have keys, and what contradicts itself is refu
     return error_of([&] { load_profile("generic-marlin", set); });
   };
   CHECK_THAT(refused({{"slice.min_layer_height_mm", "0.3"}}), Catch::Contains("larger than slice.max_layer"));
-  CHECK_THAT(refused({{"slice.max_layer_height_mm", "0.42"}}), Catch::Contains("larger than machine.nozzle_mm"));
+  CHECK_THAT(refused({{"slice.max_layer_height_mm", "0.42"}}),
+             Catch::Contains("larger than machine.nozzle_mm"));
 }
 
 TEST_CASE("the shipped daemon configuration is valid and says what the defaults are") {
@@ -243,7 +235,9 @@ TEST_CASE("a daemon configuration is checked as a whole") {
   CHECK_FALSE(load_daemon(scratch.write("v.yaml", "printers:\n" + packed + "off}\n")).printers[0].meatpack);
   const std::string linked = "  - {name: a, profile: generic-marlin, port: /dev/ttyUSB0, ";
   CHECK_THAT(load("printers:\n" + linked + "keepalive_s: 61}\n"), Catch::Contains("keepalive_s"));
-  CHECK_THAT(load("printers:\n" + linked + "reset_on_connect: perhaps}\n"), Catch::Contains("reset_on_connect"));
+  CHECK_THAT(load("printers:\n" + linked + "baud: 1200}\n"), Catch::Contains("out of range, 2400 to"));
+  CHECK_THAT(load("printers:\n" + linked + "reset_on_connect: perhaps}\n"),
+             Catch::Contains("reset_on_connect"));
   const std::string both = "printers:\n" + linked + "keepalive_s: 5, reset_on_connect: false}\n";
   const PrinterConfig other = load_daemon(scratch.write("v.yaml", both)).printers[0];
   CHECK(other.keepalive_s == 5);
