@@ -68,6 +68,7 @@ struct PrintFailed {
 /// Text from the firmware worth showing: echo, Error, action notifications.
 struct Message {
   std::string text;
+  bool asks = false;  ///< a person, who is told the answers that it takes
 };
 /// Sent every ten seconds of a print and at its end.
 struct LinkStats {

@@ -47,6 +47,10 @@ void Runner::on_printer_event(Printer& printer, const fw::Event& event) {
                             : paused->by_printer    ? "paused by the printer"
                                                     : ours;
     happen(*job, Event::printer_paused, [why](Job& j) { j.message = why; });
+  } else if (const auto* question = std::get_if<fw::Message>(&what); question && question->asks) {
+    const auto asked = jobs_.find(*job);
+    if (asked != jobs_.end() && asked->second.state == State::paused)
+      happen(*job, Event::printer_paused, [why = question->text](Job& j) { j.message = why; });
   } else if (std::holds_alternative<fw::Resumed>(what)) {
     happen(*job, Event::printer_resumed, [](Job& j) { j.message.clear(); });
   } else {

@@ -183,7 +183,7 @@ void Driver::on_prompt(const Action& action) {
     if (prompt_choices_ < kMostChoices)
       prompt_ += "; M876 S" + std::to_string(prompt_choices_++) + ": " + action.argument;
   } else if (action.name == "prompt_show" && !prompt_.empty()) {
-    emit(Message{prompt_});
+    emit(Message{prompt_, true});
   } else if (action.name == "prompt_end") {
     prompt_.clear();
   }

@@ -172,12 +172,17 @@ TEST_CASE("pauses are not motion, whoever paused") {
   rig.printer.say(fw::Paused{true, "filament runout"}, 5);
   rig.loop.run();
   CHECK(rig.runner->job_on(*rig.runner->printers()[0])->message == "filament runout");
+  rig.printer.say(fw::Message{"busy: paused for user"}, 1);
+  rig.printer.say(fw::Message{"the printer asks: Continue?; M876 S0: Yes", true});
+  rig.loop.run();
+  CHECK(rig.runner->job_on(*rig.runner->printers()[0])->message ==
+        "the printer asks: Continue?; M876 S0: Yes");
   rig.printer.say(fw::Resumed{}, 60);
   rig.finish(85);
   const auto history = rig.store->history();
   REQUIRE(history.size() == 1);
   CHECK(history[0].measured_s == Approx(100));
-  CHECK(history[0].paused_s == Approx(560));
+  CHECK(history[0].paused_s == Approx(561));
 }
 
 TEST_CASE("a crash during a print leaves it interrupted, unasked nothing prints again") {

@@ -138,7 +138,8 @@ TEST_CASE("a filament change is a pause by the printer with a question, and its 
   CHECK_FALSE(bench.over());
   const auto asked = [](const Event& event) {
     const auto* message = std::get_if<Message>(&event.what);
-    return message != nullptr && message->text == "the printer asks: Paused; M876 S0: Continue";
+    return message != nullptr && message->asks &&
+           message->text == "the printer asks: Paused; M876 S0: Continue";
   };
   CHECK(std::any_of(bench.events.begin(), bench.events.end(), asked));
   bench.driver.command("M876 S0", bench.t());
