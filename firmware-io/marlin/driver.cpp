@@ -119,17 +119,17 @@ void Driver::pump(double t) {
     link_.send(queries_.front(), {.kind = Tag::Kind::query}, t);
     queries_.pop_front();
   }
-  while (!controls_.empty() && link_.may_send(controls_.front())) {
-    // They would stand in the firmware's queue, where what is urgent needs the room.
-    if (link_.waits_at_length() && !unparking_) break;
+  // They would stand in the firmware's queue, where what is urgent needs the room.
+  const auto held_back = [this] { return !controls_.empty() && link_.waits_at_length() && !unparking_; };
+  while (!controls_.empty() && !held_back() && link_.may_send(controls_.front())) {
     const std::string line = std::move(controls_.front());
     controls_.pop_front();
     if (sets_keepalive(line)) link_.forget_busy();
-    if (sets_reports(line)) autoreport_ = !ends_reports(line);
+    if (sets_reports(line) && offers("AUTOREPORT_TEMP")) autoreport_ = !ends_reports(line);
     const Tag::Kind kind = parked_ && line == parked_->resume ? Tag::Kind::resume : Tag::Kind::control;
     link_.send(line, {.kind = kind, .is_long = is_long(line)}, t);
   }
-  if (job_ && queries_unanswered_ == 0) job_->feed(link_, t);
+  if (job_ && queries_unanswered_ == 0 && (!held_back() || job_->ending())) job_->feed(link_, t);
   drop_finished_job();
   if (link_.wants_end()) link_.ask_end(t);
   if (link_.wants_probe() && link_.may_send("M105")) link_.ask(t);

@@ -93,6 +93,7 @@ class Driver final : public Dialogue {
   void waits_no_more(double t);
   void go_on(double t);
   void leave_panel(double t);
+  bool may_leave_panel() const;
   std::vector<std::string> last_lines(std::vector<std::string> lines);
   void handshake_elapsed(double t);
   void settle(double t);

@@ -56,7 +56,7 @@ void Driver::forget_dialogue() {
   settings_ = {};
   firmware_ = {};
   panel_words_ = 0;
-  autoreport_ = printer_waits_ = panel_waits_ = unparking_ = false;
+  name_told_ = autoreport_ = printer_waits_ = panel_waits_ = unparking_ = false;
   parked_ = nullptr;
   prompt_.clear();
 }

@@ -14,10 +14,6 @@ constexpr double kHot_c = 45;
 // Marlin offers three at the most; more is noise.
 constexpr int kMostChoices = 16;
 
-// Each of them stands in the firmware's queue behind what waits, and M112 must find room; where it needs
-// none, in the receive buffer.
-constexpr int kMostPanelWords = 2, kMostWordsOutOfBand = 16;
-
 constexpr std::string_view kUnknown = "Unknown command";
 // What a firmware complains of stands in its command queue or has just left it: more lines than any queue
 // holds.
@@ -66,8 +62,7 @@ void Driver::dispatch_ready(const Reply& reply, double t) {
       if (job_ && job_->goes_on()) {
         printer_waits_ = true;
         job_->pause(true, busy->why);
-      } else if (job_ && job_->ending() &&
-                 panel_words_ < (offers("EMERGENCY_PARSER") ? kMostWordsOutOfBand : kMostPanelWords)) {
+      } else if (job_ && job_->ending() && may_leave_panel()) {
         leave_panel(t);  // a filament change waits more than once
       }
     }
@@ -105,7 +100,7 @@ void Driver::on_echo(const std::string& text) {
   const bool unknown = text.starts_with(kUnknown), meant = unknown && was_sent(text);
   if (text.starts_with("too long extrusion") || (unknown && !meant)) ++odd_commands_;
   // Whoever wrote the file wanted a person here, to change the filament.
-  if (meant && may_wait_for_person(quoted_in(text))) job_->pause(true, text);
+  if (meant && wants_person(quoted_in(text))) job_->pause(true, text);
   // From here on the print lacks filament: a person decides whether it is worth going on.
   if (text.find("extrusion prevented") != std::string::npos) job_->pause(true, text);
 }

@@ -14,6 +14,9 @@ namespace {
 // often, for so long, until it is heard.
 constexpr double kRepeatHalt_s = 0.25;
 constexpr double kMostHalting_s = 15;
+// An M108 stands in the firmware's queue behind what waits, and M112 must find room; where it needs none, in
+// the receive buffer.
+constexpr int kMostPanelWords = 2, kMostWordsOutOfBand = 16;
 
 }  // namespace
 
@@ -51,6 +54,10 @@ void Driver::resume(double t) {
   settle(t);
 }
 
+bool Driver::may_leave_panel() const {
+  return panel_words_ < (offers("EMERGENCY_PARSER") ? kMostWordsOutOfBand : kMostPanelWords);
+}
+
 // The printer waits for a person, who is here: else it would go on waiting for one at its panel.
 void Driver::leave_panel(double t) {
   printer_waits_ = false;
@@ -78,6 +85,8 @@ std::vector<std::string> Driver::last_lines(std::vector<std::string> lines) {
 void Driver::cancel(const std::string& reason, double t) {
   stamp_.look();
   if (!job_) return;
+  // Not every firmware says that it waits again.
+  if (job_->ending() && link_.waits_at_length() && may_leave_panel()) panel_waits_ = true;
   leave_panel(t);
   if (job_->ending()) return;
   std::vector<std::string> lines = options_.cancel_gcode;

@@ -70,7 +70,7 @@ void Link::restart(std::uint32_t last) {
   tail_.clear();
   long_number_ = unfinished_ = 0;
   end_due_ = false;
-  questions_open_ = ends_unanswered_ = 0;
+  questions_open_ = ends_unanswered_ = words_out_ = 0;
   end_heard_t_ = 0;
   wire_free_t_ = earliest_free_t_ = 0;
   wire_is_faster_ = wire_is_brake_ = false;
@@ -165,7 +165,7 @@ void Link::send_raw(std::string_view text, bool answered, double t) {
     break_line();
   else
     end_line(t);
-  if (answered) window_.sent_unnumbered();
+  if (answered) window_.sent_unnumbered(), ++words_out_;
   // Plain text: the firmware's emergency parser looks at the bytes before they are unpacked.
   if (packed_once_) output_ += kPackingOff;
   const std::string line = std::string(text) + "\n";
@@ -228,7 +228,7 @@ void Link::note_ok(bool temperatures, std::uint64_t lost, double t) {
   note_progress(t);
   patience_t_ = silent_since_t_ = t;
   question_due_ = false;
-  questions_ = 0;
+  questions_ = words_out_ = 0;
   if (++oks_since_ % kOksToForget == 0) ask_after_s_ = std::max(ask_after_s_ / 2, timing_.patience_s);
   if (!temperatures) return;
   questions_open_ = std::max(questions_open_ - 1, 0);
@@ -385,8 +385,8 @@ void Link::elapsed(double t) {
   if (t >= progress_t_ + stall_after_s()) {
     // What stands in the command queue of a firmware at work keeps out what is urgent.
     const bool at_length = may_be_at_length();
-    const bool may_probe =
-        !at_length || window_.questions() < kMostQuestions || t >= asked_t_ + timing_.ask_again_s;
+    const bool may_probe = !at_length || window_.questions() + words_out_ < kMostQuestions ||
+                           t >= asked_t_ + timing_.ask_again_s;
     window_.on_stall(!at_length || window_.may_ask(kQuestion), may_probe);
     if ((window_.stalls() > 1 || unpacks_perhaps_) && tail_.empty()) stop_packing();
     progress_t_ = t;

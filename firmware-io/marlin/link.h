@@ -193,6 +193,7 @@ class Link {
   std::deque<Outstanding> outstanding_;
   std::uint32_t long_number_ = 0;  ///< the last long line, until it is surely done; its ok may be another's
   int oks_past_long_ = 0;
+  int words_out_ = 0;  ///< without a number, since the last ok
   bool ok_at_enqueue_ = false;
   std::uint32_t unfinished_ = 0;  ///< the long line that is in the queue or at work, as far as is known
   bool end_due_ = false;

@@ -82,11 +82,17 @@ bool is_pause(std::string_view command) noexcept {
 
 bool sets_keepalive(std::string_view command) noexcept { return first_word(command) == Word{'M', 113}; }
 
-bool sets_reports(std::string_view command) noexcept { return first_word(command) == Word{'M', 155}; }
+bool sets_reports(std::string_view command) noexcept {
+  return first_word(command) == Word{'M', 155} && command.find_first_of("Ss", 1) != command.npos;
+}
 
 bool ends_reports(std::string_view command) noexcept {
-  const auto s = command.find_first_of("Ss", 1);
-  return sets_reports(command) && s != command.npos && first_word(command.substr(s)).number == 0;
+  return sets_reports(command) && first_word(command.substr(command.find_first_of("Ss", 1))).number == 0;
+}
+
+bool wants_person(std::string_view command) noexcept {
+  static constexpr int kWaits[] = {226, 600, 601};
+  return is_m_of(command, kWaits);
 }
 
 bool sets_line_number(std::string_view command) {

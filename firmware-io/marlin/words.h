@@ -21,6 +21,8 @@ bool is_heating_wait(std::string_view command) noexcept;
 bool is_homing(std::string_view command) noexcept;
 /// May wait for a person at the panel: M125, M226, M600, M601, M701, M702.
 bool may_wait_for_person(std::string_view command) noexcept;
+/// Wants one, to change the filament or at the file's wish: M226, M600, M601.
+bool wants_person(std::string_view command) noexcept;
 /// A word of several letters, as Klipper's macros and extended commands: whatever it heats, homes and moves
 /// has ended when its ok comes.
 bool is_macro(std::string_view command) noexcept;
@@ -38,7 +40,7 @@ bool is_long(std::string_view command) noexcept;
 bool is_motion(std::string_view command) noexcept;
 /// M113: how often the firmware says that it is busy, by which its silences are judged.
 bool sets_keepalive(std::string_view command) noexcept;
-/// M155: whether it tells temperatures unasked, and how often.
+/// M155 S: whether it tells temperatures unasked, and how often.
 bool sets_reports(std::string_view command) noexcept;
 /// M155 S0.
 bool ends_reports(std::string_view command) noexcept;

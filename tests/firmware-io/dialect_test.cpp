@@ -259,8 +259,9 @@ TEST_CASE("a cancel ends all of a printer's waits for a person, and leaves room 
           "[dialect]") {
   mock::Options options = mock::make_mock().cold_extrusion().instant_moves().build();
   options.emergency_parser = GENERATE(false, true);
-  options.pause_waits = GENERATE(1, 2, 3, 50);
-  CAPTURE(options.emergency_parser, options.pause_waits);
+  options.dialect.busy = GENERATE(false, true);
+  options.pause_waits = options.dialect.busy ? GENERATE(1, 2, 3, 50) : GENERATE(1, 2, 50);
+  CAPTURE(options.emergency_parser, options.dialect.busy, options.pause_waits);
   MockBench bench(options);
   REQUIRE(bench.connect());
   bench.print({"M104 S60", "M140 S50", "G1 X10 F600", "M600", "G1 X1"});

@@ -249,3 +249,17 @@ TEST_CASE("what a firmware does not know is a sign of damage only where it was n
   CHECK(said == damaged);
   CHECK(bench.find<LinkStats>(bench.count<LinkStats>() - 1)->doubts == (damaged ? 1 : 0));
 }
+
+TEST_CASE("what a user types gets through a print full of short waits", "[keepalive]") {
+  MockBench bench(mock::make_mock().firmware("marlin1").cold_extrusion().build());
+  REQUIRE(bench.connect());
+  std::vector<std::string> file;
+  for (int i = 0; i < 400; ++i)
+    file.push_back(i % 4 == 0 ? "G4 P1" : "G1 X" + std::to_string(i % 2 * 60) + " F3000");
+  bench.print(file);
+  bench.run_for(30);
+  bench.driver.command("M220 S90", bench.t());
+  bench.run_for(30);
+  REQUIRE_FALSE(bench.over());
+  CHECK(std::count(bench.log.begin(), bench.log.end(), "M220 S90") == 1);
+}

@@ -249,3 +249,18 @@ TEST_CASE("a wait for a person that the firmware does not know is a pause of the
   REQUIRE(bench.run_until([&] { return bench.over(); }));
   CHECK(bench.count<PrintFinished>() == 1);
 }
+
+TEST_CASE("reports that the firmware does not know are not relied upon", "[klipper]") {
+  MockBench bench(klipper().cold_extrusion().build());
+  REQUIRE(bench.connect());
+  bench.driver.command("M155 S2", bench.t());
+  bench.run_for(5);
+  std::vector<std::string> file = {"G28"};
+  for (int i = 0; i < 400; ++i) file.push_back("G1 X" + std::to_string(i % 2 * 60) + " F3000");
+  bench.print(file);
+  bench.run_for(60);
+  const int told = bench.count<Temperatures>();
+  bench.run_for(60);
+  REQUIRE_FALSE(bench.over());
+  CHECK(bench.count<Temperatures>() - told >= 5);
+}
