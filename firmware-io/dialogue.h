@@ -36,6 +36,8 @@ class Dialogue {
   /// stop heard.
   virtual void shut_down(double t) = 0;
   virtual bool finished() const noexcept = 0;
+  /// What ends the print has turned the heaters off.
+  virtual bool cold() const noexcept { return finished(); }
 
   virtual std::string& output() noexcept = 0;
   /// True once after halt(): what was written before and is still on its way should be thrown away.

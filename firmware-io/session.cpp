@@ -25,6 +25,8 @@ namespace {
 constexpr double kLongestPoll_s = 3600;
 // The longest rest beside a readable port.
 constexpr double kLongestRest_s = 0.02;
+// So long a halt is repeated that ends a print with its session.
+constexpr double kLastWords_s = 3;
 // By so much the kernel may be late of its own accord, to wake several threads at once; it is 50 us if none
 // is named, a sixth of the time by which a rest ends before the wire runs dry.
 constexpr unsigned long kTimerSlack_ns = 1000;
@@ -130,13 +132,16 @@ class Session final : public PrinterPort {
       flush_quietly();
       due_ = dialogue_->deadline();
     }
-    if (now() >= stop_at) {
-      // The heaters may still be on, and nobody is left to turn them off.
-      if (transport_ && !dialogue_->finished()) dialogue_->halt("the print did not end in time", now());
-      flush_quietly();
-      return true;
-    }
-    return halt_.load() == nullptr && (!transport_ || dialogue_->finished());
+    if (halt_.load() != nullptr) return false;
+    if (!transport_ || dialogue_->finished()) return true;
+    if (now() < stop_at) return false;
+    if (std::exchange(last_words_, true) || dialogue_->cold()) return true;
+    // Nobody is left to turn the heaters off.
+    dialogue_->halt("the print did not end in time", now());
+    flush_quietly();
+    due_ = dialogue_->deadline();
+    stop_at = now() + kLastWords_s;
+    return false;
   }
 
   void reopen() {
@@ -244,6 +249,7 @@ class Session final : public PrinterPort {
   std::unique_ptr<Transport> transport_;
   double reopen_at_ = 0;
   double due_ = 0;  ///< the dialogue's deadline
+  bool last_words_ = false;
   /// The reason of a halt that the printer has not answered to.
   std::optional<std::string> halt_owed_;
 

@@ -61,6 +61,7 @@ class Driver final : public Dialogue {
   bool halt_heard() const noexcept override { return halt_heard_; }
   void command(const std::string& text, double t) override;
   void shut_down(double t) override;
+  bool cold() const noexcept override { return finished() || (job_ && job_->cold()); }
   bool finished() const noexcept override { return phase_ == Phase::closed || (!job_ && !still_halting()); }
 
   std::string& output() noexcept override { return link_.output(); }

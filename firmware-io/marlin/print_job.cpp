@@ -5,6 +5,7 @@
 #include "firmware-io/marlin/file_command.h"
 #include "firmware-io/marlin/words.h"
 
+#include <algorithm>
 #include <exception>
 #include <limits>
 #include <stdexcept>
@@ -198,6 +199,9 @@ void PrintJob::end(const std::vector<std::string>& lines, decltype(Event::what) 
   for (const std::string& text : lines)
     for (const std::string_view line : lines_of(text)) queue_ending(line);
   ending_unacknowledged_ = ending_lines_.size();
+  const std::vector<std::string> off = heaters_off(firmware_);
+  const auto last = std::find_first_of(ending_lines_.rbegin(), ending_lines_.rend(), off.begin(), off.end());
+  if (last != ending_lines_.rend()) behind_heaters_ = static_cast<std::size_t>(last - ending_lines_.rbegin());
   outcome_ = std::move(outcome);
 }
 

@@ -47,6 +47,8 @@ class PrintJob {
 
   bool over() const noexcept { return state_ == State::over; }
   bool ending() const noexcept { return state_ == State::ending; }
+  /// The lines that turn the heaters off have been acknowledged.
+  bool cold() const noexcept { return ending() && ending_unacknowledged_ <= behind_heaters_; }
   /// Neither paused nor ended: a wait of the printer is news.
   bool goes_on() const noexcept { return state_ == State::feeding || (at_end() && !waits_at_end_); }
   bool paused() const noexcept { return state_ == State::paused; }
@@ -83,6 +85,7 @@ class PrintJob {
   bool inches_ = false;       ///< the file's unit, as far as it was sent
   bool motion_armed_ = true;  ///< no motion since the start or the last heating wait
   std::deque<std::string> ending_lines_;
+  std::size_t behind_heaters_ = 0;  ///< ending lines behind those that turn them off
   std::size_t ending_unacknowledged_ = 0;
   std::optional<decltype(Event::what)> outcome_;
 };

@@ -356,3 +356,25 @@ TEST_CASE("shutting down turns the heaters off first", "[driver]") {
   const Lines end{"M104 S0", "M140 S0", "M107", "G1 Z10", "M84"};
   CHECK(Lines(printed.end() - static_cast<std::ptrdiff_t>(end.size()), printed.end()) == end);
 }
+
+TEST_CASE("a print that ends is cold when the heaters' lines have gone, though the last move takes its time",
+          "[driver]") {
+  const bool stops = GENERATE(false, true);
+  marlin::DriverOptions options;
+  options.cancel_gcode = {"G1 Z10"};
+  DriverBench bench({}, options);
+  bench.duration = [](const std::string& command) {
+    return command == "M140 S0" || command == "M84" ? 5.0 : 0.001;
+  };
+  REQUIRE(bench.connect());
+  bench.print(moves(500));
+  REQUIRE(bench.run_until([&] { return bench.count<LineDone>() == 20; }));
+  CHECK_FALSE(bench.driver.cold());
+  stops ? bench.driver.shut_down(bench.t) : bench.driver.cancel("", bench.t);
+  const double asked = bench.t;
+  REQUIRE(bench.run_until([&] { return bench.driver.cold(); }));
+  CHECK(bench.t > asked + 4.9);
+  CHECK_FALSE(bench.driver.finished());
+  REQUIRE(bench.run_until([&] { return bench.driver.finished(); }));
+  CHECK(bench.t > asked + 9.9);
+}

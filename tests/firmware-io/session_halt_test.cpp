@@ -15,7 +15,8 @@ struct Halter final : Dialogue {
   struct Script {
     std::function<void()> opened = [] {}, shut_down = [] {};
     int unheard = 0;  ///< so many halts the printer does not hear
-    bool printing = false;
+    bool printing = false, cold = false;
+    int repeats = 0;  ///< so often a halt is said again before the printer hears it
     std::atomic<int> halts{0};
   };
   explicit Halter(Script& s) : script(s) {}
@@ -24,18 +25,21 @@ struct Halter final : Dialogue {
     script.opened();
   }
   void halt(const std::string& /*reason*/, double /*t*/) override {
-    closed = true;
+    closed = script.repeats == 0;
     heard = ++script.halts > script.unheard;
   }
   void shut_down(double /*t*/) override { script.shut_down(); }
   bool halt_heard() const noexcept override { return heard; }
   bool closing() const noexcept override { return closed; }
   bool finished() const noexcept override { return !script.printing; }
-  double deadline() const noexcept override { return closed ? 0 : 1e300; }
+  bool cold() const noexcept override { return script.cold || finished(); }
+  double deadline() const noexcept override { return script.halts > 0 ? 0 : 1e300; }
   std::string& output() noexcept override { return out; }
   bool take_urgent() noexcept override { return false; }
   void received(std::string_view /*bytes*/, double /*t*/) override {}
-  void elapsed(double /*t*/) override {}
+  void elapsed(double /*t*/) override {
+    if (script.halts > 0 && !closed) closed = --script.repeats == 0;
+  }
   void lost(const std::string& /*reason*/) override {}
   void print(std::unique_ptr<LineSource> /*source*/, double /*t*/) override {}
   void pause() override {}
@@ -148,14 +152,19 @@ TEST_CASE("an emergency stop is said anew at each opening until the printer has 
   CHECK(script.halts == 2);
 }
 
-TEST_CASE("a print that does not end in time when its session does is stopped", "[session]") {
+TEST_CASE("a print that does not end in time when its session does is stopped, unless it is cold",
+          "[session]") {
   Halter::Script script;
   script.printing = true;
+  SECTION("heard at once") {}
+  SECTION("heard late") { script.repeats = 5; }
+  SECTION("cold") { script.cold = true; }
   std::vector<Loopback> loopbacks;
   std::promise<void> opened;
   script.opened = [&] { opened.set_value(); };
   auto port = halter_session(script, loopbacks);
   REQUIRE(opened.get_future().wait_for(kPatience) == std::future_status::ready);
   port.reset();
-  CHECK(script.halts == 1);
+  CHECK(script.halts == (script.cold ? 0 : 1));
+  CHECK(script.repeats == 0);
 }
