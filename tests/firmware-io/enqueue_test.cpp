@@ -98,7 +98,8 @@ TEST_CASE("a print is measured alike whenever a firmware says ok", "[enqueue]") 
   CHECK(early.moving_s == Approx(late.moving_s).margin(0.5));
 }
 
-TEST_CASE("an emergency stop is heard during a long command that has its ok", "[enqueue]") {
+TEST_CASE("an emergency stop is heard during a long command that has its ok, where the queue has room",
+          "[enqueue]") {
   mock::Options options = repetier();
   options.leveling_s = 600;
   MockBench bench(options);
@@ -121,7 +122,7 @@ TEST_CASE("an emergency stop is heard during a long command that has its ok", "[
   CHECK(bench.printer.halted());
 }
 
-TEST_CASE("a cancel ends a heating that has its ok", "[enqueue]") {
+TEST_CASE("a cancel ends a heating that has its ok, in a firmware that reads meanwhile", "[enqueue]") {
   MockBench bench(repetier());
   REQUIRE(bench.connect());
   bench.print({"G28", "M190 S100", "G1 X10 F600"});
