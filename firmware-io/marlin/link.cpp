@@ -27,10 +27,6 @@ constexpr int kWaitsThatMeanLoss = 2;
 constexpr std::uint64_t kQuietLines = 2000;
 
 const std::string_view kQuestion = "M105";
-// Its answer is nothing else's: Repetier's homing says where it is, its heating says temperatures, unasked.
-const std::string_view kEndQuestion = "M115";
-// More would keep out what is urgent. Unanswered for long, the command is taken to be over.
-constexpr int kMostEndQuestions = 2;
 // Garbage is common where the wire is bad or the firmware talkative.
 constexpr double kBetweenQuestions_s = 1;
 // Where a silence was mere work, the next question waits twice as long, up to this. It comes back by half
@@ -41,9 +37,6 @@ constexpr int kOksToForget = 64;
 // meanwhile, every 2 s, is at work.
 constexpr double kAskAgain = 10;
 constexpr int kMostQuestions = 2;
-
-// One `wait` may have been said before the command came.
-constexpr int kWaitsThatMeanDone = 2;
 
 // A bare ok may be one of so many too many; the next is then not the long line's own either.
 constexpr int kOksThatMeanDone = 16;
@@ -194,9 +187,7 @@ void Link::on_reply(const Reply& reply, double t) {
     window_.on_framing_error(error->last_line);
   } else if (std::holds_alternative<Wait>(reply)) {
     window_.on_other_line();
-    // Nothing is queued: the answer was lost.
-    if (unfinished_ > 0 && !end_due_ && window_.idle() && ++waits_behind_ >= kWaitsThatMeanDone)
-      end_length(t);
+    note_nothing_queued(t);
     if (++waits_ >= kWaitsThatMeanLoss && window_.waiting()) {
       waits_ = 0;
       window_.on_stall();
@@ -247,43 +238,6 @@ void Link::note_length_done(const Ok& ok) noexcept {
   if (long_number_ == 0 || window_.acknowledged() < long_number_) return;
   const bool sure = !ok.sensors.empty() || (ok.line && *ok.line >= long_number_);
   if (sure || ++oks_past_long_ >= kOksThatMeanDone) long_number_ = 0;
-}
-
-bool Link::wants_end() const { return end_due_ && window_.may_send(kEndQuestion); }
-
-void Link::ask_end(double t) {
-  end_due_ = false;
-  end_asked_t_ = t;
-  waits_behind_ = 0;
-  ++ends_asked_;
-  ++ends_unanswered_;
-  send(kEndQuestion, {}, t);
-}
-
-bool Link::on_name(double t) {
-  if (ends_unanswered_ == 0) return false;
-  // The others may be lost, or about to be answered as well.
-  if (--ends_unanswered_ == 0)
-    end_length(t);
-  else
-    end_heard_t_ = t;
-  return true;
-}
-
-void Link::end_length(double t) {
-  unfinished_ = 0;
-  end_due_ = false;
-  ends_unanswered_ = 0;
-  end_heard_t_ = 0;
-  note_progress(t);
-}
-
-double Link::ask_end_at() const {
-  if (end_heard_t_ > 0) return end_heard_t_ + quiet_after_s();
-  if (unfinished_ == 0 || end_due_ || held_ || !window_.idle()) return kNever;
-  const double at_last = end_asked_t_ + timing_.long_silence_s;
-  if (ends_asked_ >= kMostEndQuestions) return at_last;
-  return std::min(std::max(received_t_, end_asked_t_) + timing_.silence_s, at_last);
 }
 
 double Link::ask_at() const {
@@ -368,12 +322,7 @@ void Link::elapsed(double t) {
     return;
   }
   if (stranded() && t >= patience_t_ + timing_.patience_s) question_due_ = true, patience_t_ = t;
-  if (t >= ask_end_at()) {
-    if (end_heard_t_ > 0 || ends_asked_ >= kMostEndQuestions)
-      end_length(t);
-    else
-      end_due_ = true;
-  }
+  if (t >= ask_end_at()) end_unanswered(t);
   if (!window_.waiting() || held_) return;
   const bool impatient = window_.throttled() || window_.answers_missing();
   if (impatient && t >= patience_t_ + timing_.patience_s) window_.on_patience(), patience_t_ = t;

@@ -169,6 +169,8 @@ class Link {
   double ask_at() const;
   double ask_end_at() const;
   void end_length(double t);
+  void end_unanswered(double t);
+  void note_nothing_queued(double t);
   /// A request out of its time has taken lines out of flight whose oks then belong to nothing: only a
   /// question tells that they are done.
   bool stranded() const noexcept {
